@@ -1,0 +1,1 @@
+"""Co-simulation of cooperative haptics: scenario, schedule, kernel, record, theory, link."""

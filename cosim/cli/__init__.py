@@ -1,0 +1,62 @@
+"""The ``cohaptic`` command: one short file a command, each imported only when it is called."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Any
+
+import click
+
+from cosim.errors import CohapticError
+
+# Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
+COMMANDS = {
+    "check": "Read a scenario, load its FMUs, and report every problem in one go.",
+    "fmu": "List, inspect and export FMUs.",
+    "record": "Look into a run folder: digest, summary, export.",
+    "run": "Run a scenario and record it.",
+    "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
+}
+
+
+class LazyGroup(click.Group):
+    """A click group whose commands are imported only when they are used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The command names in alphabetical order."""
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return one command, or ``None`` where there is none of that name."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: Any = importlib.import_module(f"cosim.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the command list without importing a single command."""
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(COMMANDS.items()))
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="cohaptic")
+def cli() -> None:
+    """Co-simulation and hardware in the loop for cooperative haptics over a network."""
+
+
+def main() -> None:
+    """Run the command line; a user's mistake ends in a sentence and an exit status."""
+    try:
+        cli(standalone_mode=False)
+    except click.exceptions.Exit as stop:
+        sys.exit(stop.exit_code)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(2)
+    except click.Abort:
+        sys.exit(1)
+    except CohapticError as error:
+        click.echo(str(error), err=True)
+        sys.exit(error.exit_status)

@@ -1,0 +1,1 @@
+"""The models in plain C, and how they become FMUs."""

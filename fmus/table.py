@@ -1,0 +1,93 @@
+"""How a model describes its variables, once.
+
+From one ``Model`` come the C header (``<model>_variables.h``), both modelDescription.xml files, the
+terminals, the documentation table and the device contract. Every numeric element takes one 8-byte
+slot (``double`` or ``int64_t``), a string takes a fixed number of slots; the value reference is the
+slot's index, so getting, setting and serialising the state is one memcpy.
+
+A ``Group`` gives its members a dotted prefix: ``Group("finger", count=2, ...)`` makes
+``finger_1.position[1]`` … in FMI and ``v->finger[0].position[0]`` in C; without ``count``,
+``Group("box_pose", ...)`` makes ``box_pose.x`` and ``v->box_pose.x``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Type = Literal["real", "integer", "boolean", "enumeration", "string"]
+Causality = Literal["parameter", "calculatedParameter", "input", "output", "local"]
+Role = Literal["actuated", "measured", "derived", "simulation_only"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Item:
+    """One named value of an enumeration."""
+
+    name: str
+    value: int
+    description: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Enumeration:
+    """A closed list of named integers."""
+
+    name: str
+    description: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One variable; ``size`` makes it a one-dimensional array.
+
+    ``depends_on`` names the inputs that an output depends on directly (feedthrough), as paths from
+    the model's root with ``fnmatch`` wildcards (``finger_1.joint_angle``, ``peer_*.weight``).
+    ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
+    numbers. A parameter is ``fixed``; ``start`` is a scalar (for every element) or a tuple.
+    """
+
+    name: str
+    description: str
+    causality: Causality
+    type: Type = "real"
+    unit: str | None = None
+    start: float | int | bool | str | tuple[float, ...] | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    size: int | None = None
+    enumeration: Enumeration | None = None
+    role: Role | None = None
+    depends_on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Variables under a common prefix, repeated ``count`` times where that is given."""
+
+    name: str
+    members: tuple[Variable | Group, ...]
+    count: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Terminal:
+    """A bundle that is connected as one: member name -> variable path (both may be arrays)."""
+
+    name: str
+    description: str
+    members: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """A model: its variables and the C sources beside it and in ``fmus/shared``."""
+
+    name: str
+    description: str
+    variables: tuple[Variable | Group, ...]
+    sources: tuple[str, ...]
+    terminals: tuple[Terminal, ...] = field(default=())
+    version: str = "1"

@@ -1,0 +1,1 @@
+"""Hardware in the loop: device contract, safety layer, drivers, emulators, supervisor."""
