@@ -108,7 +108,7 @@ class Setup:
 
 
 class Component(ABC):
-    """A model written in Python, or a device. Subclasses say ``variables`` before ``initialise``."""
+    """A model written in Python, or a device; it knows its variables before ``initialise``."""
 
     feedthrough: bool = True
     """Whether outputs may depend directly on inputs of the same tick (see ``dependencies``)."""
