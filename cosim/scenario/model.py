@@ -1,0 +1,265 @@
+"""The scenario as the rest of cohaptic sees it: resolved, typed, in SI units and ticks.
+
+What a user writes is described by ``cosim.scenario.document``; ``cosim.scenario.load`` turns the
+one into the other. Rates are exact fractions of a hertz, time is an integer number of base ticks,
+and nothing in here can change once it is loaded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal
+
+from cosim.errors import Location
+from cosim.scenario.source import Node, PathKey
+
+Value = float | int | bool | str | tuple[Any, ...]
+"""A parameter or start value: a scalar, or a tuple (of tuples) for an array."""
+
+
+class Kind(StrEnum):
+    """What computes a component."""
+
+    FMU = "fmu"
+    PYTHON = "python"
+    DEVICE = "device"
+    PLAYBACK = "playback"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Component:
+    """One thing with inputs and outputs, and how often it steps."""
+
+    name: str
+    kind: Kind
+    source: str
+    """fmu: a bundled model's name or an absolute path; python: ``module:Class``; device: a URL;
+    playback: the absolute path of a run folder."""
+    station: str
+    rate_name: str | None
+    """The name in ``rates``, ``None`` where the rate was written as a number."""
+    rate: Fraction
+    """Steps a second (Hz)."""
+    period: int
+    """Base ticks from one step to the next."""
+    substeps: int = 1
+    """FMI ``doStep`` calls in one period, each of period / substeps."""
+    feedthrough: bool | None = None
+    """Whether declared output-on-input dependencies count within a tick; ``None`` (python, device)
+    leaves it to the component itself. A bundled FMU has ``True``, any other ``False``."""
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    """Values by variable name; groups are joined by dots (``finger_1.base_x``)."""
+    start: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    """Start values of inputs, and of outputs that allow one, by variable name."""
+    options: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """What belongs to the kind alone: a device's further settings, ``component`` of a playback."""
+
+    @property
+    def is_bundled(self) -> bool:
+        """Whether ``source`` is the name of one of our own FMUs rather than a file."""
+        return self.kind is Kind.FMU and not Path(self.source).is_absolute()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Delay:
+    """A delay of whole base ticks; ``samples`` says it was written as that many samples."""
+
+    ticks: int = 0
+    samples: int | None = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jitter:
+    """Extra delay drawn for each packet: ``i * step`` ticks with probability ``weights[i]``.
+
+    No jitter is ``weights == (1.0,)``; the weights sum to one.
+    """
+
+    step: int = 1
+    weights: tuple[float, ...] = (1.0,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bernoulli:
+    """Each packet is lost with probability ``probability``, independently."""
+
+    model: Literal["bernoulli"] = "bernoulli"
+    probability: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GilbertElliott:
+    """Bursty loss: a two-state Markov chain that moves once a packet, each state with its own loss.
+
+    The chain starts in its stationary distribution. Source: Gilbert (1960), Elliott (1963).
+    """
+
+    model: Literal["gilbert_elliott"] = "gilbert_elliott"
+    good_to_bad: float
+    bad_to_good: float
+    loss_good: float = 0.0
+    loss_bad: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reorder:
+    """With ``probability`` a packet is held back ``ticks`` longer, so that later ones pass it."""
+
+    probability: float = 0.0
+    ticks: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Duplication:
+    """With ``probability`` a packet arrives a second time, ``ticks`` after the first."""
+
+    probability: float = 0.0
+    ticks: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Direction:
+    """What happens to the packets of one direction of a channel; draws are per packet."""
+
+    delay: Delay = Delay()
+    jitter: Jitter = Jitter()
+    loss: Bernoulli | GilbertElliott = Bernoulli()
+    reorder: Reorder = Reorder()
+    duplication: Duplication = Duplication()
+    trace: tuple[int, ...] | None = None
+    """Recorded fate of each packet in order, repeated when it ends: delay in ticks, -1 lost. It
+    stands in place of delay, jitter and loss."""
+
+    @property
+    def is_random(self) -> bool:
+        """Whether anything is drawn for a packet."""
+        lossy = not (isinstance(self.loss, Bernoulli) and self.loss.probability == 0.0)
+        late = self.reorder.probability > 0.0 or self.duplication.probability > 0.0
+        return len(self.jitter.weights) > 1 or lossy or late
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channel:
+    """What values cross from one station to another; forward is from ``between[0]``."""
+
+    name: str
+    between: tuple[str, str]
+    rate_name: str | None
+    rate: Fraction
+    """Packets a second (Hz); a sample of the channel is one packet."""
+    period: int
+    """Base ticks from one packet to the next."""
+    forward: Direction = Direction()
+    backward: Direction = Direction()
+    options: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Settings of a real link that stands in for the simulated channel (``link:``)."""
+
+    def direction(self, source: str, target: str) -> Direction:
+        """The direction from one station to another; ``KeyError`` where it does not join them."""
+        return {self.between: self.forward, self.between[::-1]: self.backward}[source, target]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """``component.path``: a variable, an array, a terminal or a dotted group of a component.
+
+    ``component`` may also name a channel, for what it says about its packets
+    (``lan.forward.age``).
+    """
+
+    component: str
+    path: str
+
+    def __str__(self) -> str:
+        return f"{self.component}.{self.path}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Connection:
+    """An output to an input: sampled, delayed, held in between."""
+
+    source: Reference
+    target: Reference
+    via: str | None = None
+    """The channel that it crosses; ``None`` inside one station."""
+    rate: Fraction | None = None
+    """Samples a second; ``None``: the channel's rate, or every value the source shows."""
+    period: int | None = None
+    """Base ticks from one sample to the next; ``None`` with ``rate``."""
+    delay: Delay = Delay()
+    """Delay inside a station; through a channel it is the channel's and this one is zero."""
+    initial: Literal["source", "start"] = "source"
+    """What is held before the first sample arrives: the source's value at tick 0, or the input's
+    own start value."""
+
+    def __str__(self) -> str:
+        return f"{self.source} -> {self.target}" + (f" via {self.via}" if self.via else "")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """Signals to record: an ``fnmatch`` pattern over ``component.variable``."""
+
+    pattern: str
+    rate: Fraction | None = None
+    """Rows a second; ``None`` records at the component's own rate."""
+    period: int | None = None
+    """Base ticks from one row to the next; ``None`` with ``rate``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """A complete, checked scenario. Make one with :func:`cosim.scenario.load`."""
+
+    cohaptic: int
+    """Version of the scenario language."""
+    name: str
+    """The file's name without folder and ``.yaml``; names the run's folder."""
+    file: Path
+    title: str
+    description: str = ""
+    duration: Fraction
+    """Simulated time (s)."""
+    ticks: int
+    """Simulated time in base ticks; a duration between two ticks is rounded up."""
+    base_rate: Fraction
+    """Base ticks a second (Hz): the least common multiple of all rates unless it is given."""
+    seed: int = 0
+    rates: Mapping[str, Fraction]
+    components: Mapping[str, Component]
+    channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
+    connections: tuple[Connection, ...] = ()
+    record: tuple[Record, ...] = ()
+    expect: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
+    """Acceptance conditions by signal; their names belong to the record."""
+    safety: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    realtime: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    link: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    root: Node = field(repr=False, compare=False)
+    """The document as it was written, after includes, overlays and overrides."""
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """Every station's name, in the order of first mention."""
+        return tuple(dict.fromkeys(part.station for part in self.components.values()))
+
+    def locate(self, path: tuple[PathKey, ...]) -> Location:
+        """Where a node was written: ``("components", "vr_a", "parameters", "finger_1.base_x")``.
+
+        A path that leads nowhere gives the place of the deepest node on it that exists.
+        """
+        return self.root.locate(path)
+
+    def resolved(self) -> str:
+        """The whole scenario as YAML: one file with every default, include and override in it.
+
+        Loading it again gives the same scenario.
+        """
+        from cosim.scenario.resolved import to_yaml
+
+        return to_yaml(self)
