@@ -7,14 +7,17 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A place in a text file; lines and columns count from 1."""
+    """A place in a text file; lines and columns count from 1.
+
+    Line 0 stands for a place that has no lines, such as an option on the command line.
+    """
 
     file: str
     line: int
     column: int
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
 
 
 class CohapticError(Exception):

@@ -1,0 +1,28 @@
+"""Did-you-mean for every name a user can misspell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def did_you_mean(word: str, names: Iterable[str], *, listed: int = 8) -> str:
+    """A sentence that follows an error: the nearest name, or the few there are to choose from.
+
+    Empty where there is nothing to suggest. Begins with a space.
+    """
+    from difflib import get_close_matches
+
+    known = sorted(set(names) - {word})
+    if not known:
+        return ""
+    folded = {name.casefold(): name for name in known}
+    near = get_close_matches(word.casefold(), folded, n=1, cutoff=0.6)
+    if near:
+        return f" Did you mean {folded[near[0]]}?"
+    if len(known) <= listed:
+        return f" There is {known[0]}." if len(known) == 1 else f" There are {_list(known)}."
+    return ""
+
+
+def _list(names: list[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
