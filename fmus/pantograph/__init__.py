@@ -1,0 +1,1 @@
+"""The planar five-bar haptic device: mechanism, motors, amplifiers, DAC and encoders."""

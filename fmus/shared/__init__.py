@@ -1,0 +1,1 @@
+"""C that several models share, and the variable groups that go with it."""

@@ -1,0 +1,106 @@
+#include "five_bar.h"
+
+#include "cohaptic_math.h"
+
+static double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
+
+void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
+{
+    *pose = (FiveBarPose){0};
+    for (int i = 0; i < 2; i++) {
+        const double c = bar->proximal * cos(angle[i]), s = bar->proximal * sin(angle[i]);
+        pose->elbow[i] = (Vector){(i ? bar->base : 0.0) + c, s};
+        pose->tangent[i] = (Vector){-s, c};
+    }
+    const Vector across = {pose->elbow[1].x - pose->elbow[0].x, pose->elbow[1].y - pose->elbow[0].y};
+    const double square = dot(across, across);
+    const double height = bar->distal * bar->distal - 0.25 * square;
+    if (!(square > 0.0 && height > 0.0)) return;
+    const double ratio = sqrt(height / square);
+    const Vector reach[2] = {
+        {0.5 * across.x - ratio * across.y, 0.5 * across.y + ratio * across.x},
+        {-0.5 * across.x - ratio * across.y, -0.5 * across.y + ratio * across.x},
+    };
+    pose->tip = (Vector){pose->elbow[0].x + reach[0].x, pose->elbow[0].y + reach[0].y};
+    const double inverse = 1.0 / bar->distal;
+    double drive[2];
+    for (int i = 0; i < 2; i++) {
+        pose->distal[i] = (Vector){reach[i].x * inverse, reach[i].y * inverse};
+        drive[i] = dot(pose->distal[i], pose->tangent[i]);
+    }
+    const Vector u = pose->distal[0], v = pose->distal[1];
+    pose->cross = u.x * v.y - u.y * v.x;
+    if (pose->cross == 0.0) return;
+    const double scale = 1.0 / pose->cross;
+    pose->jacobian[0][0] = v.y * drive[0] * scale;
+    pose->jacobian[0][1] = -u.y * drive[1] * scale;
+    pose->jacobian[1][0] = -v.x * drive[0] * scale;
+    pose->jacobian[1][1] = u.x * drive[1] * scale;
+    pose->valid = true;
+}
+
+bool five_bar_angles(const FiveBar *bar, Vector tip, double angle[2])
+{
+    for (int i = 0; i < 2; i++) {
+        const double x = tip.x - (i ? bar->base : 0.0), y = tip.y;
+        const double distance = hypot(x, y);
+        const double cosine = (bar->proximal * bar->proximal + distance * distance
+                               - bar->distal * bar->distal)
+                              / (2.0 * bar->proximal * distance);
+        if (!(cosine > -1.0 && cosine < 1.0)) return false;
+        const double opening = acos(cosine);
+        angle[i] = atan2(y, x) + (i ? -opening : opening);
+    }
+    return true;
+}
+
+double five_bar_condition(const double jacobian[2][2])
+{
+    const double a = jacobian[0][0], b = jacobian[0][1], c = jacobian[1][0], d = jacobian[1][1];
+    const double norm = a * a + b * b + c * c + d * d;
+    const double area = 2.0 * fabs(a * d - b * c);
+    return (norm + sqrt(fmax(norm * norm - area * area, 0.0))) / area;
+}
+
+Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,
+                                  const double rate[2], Vector tip_velocity)
+{
+    /* u_i . xddot = u_i . Eddot_i - |xdot - Edot_i|^2 / L, with Eddot_i = -thetadot^2 (E_i - O_i). */
+    double right[2];
+    for (int i = 0; i < 2; i++) {
+        const Vector w = pose->tangent[i], u = pose->distal[i];
+        const Vector relative = {tip_velocity.x - w.x * rate[i], tip_velocity.y - w.y * rate[i]};
+        const double inward = -rate[i] * rate[i];
+        right[i] = inward * (u.x * w.y - u.y * w.x) - dot(relative, relative) / bar->distal;
+    }
+    const Vector u = pose->distal[0], v = pose->distal[1];
+    const double scale = 1.0 / pose->cross;
+    return (Vector){(v.y * right[0] - u.y * right[1]) * scale,
+                    (u.x * right[1] - v.x * right[0]) * scale};
+}
+
+Placement placement(double x, double y, double angle)
+{
+    return (Placement){x, y, cos(angle), sin(angle)};
+}
+
+Vector turn_to_world(const Placement *place, Vector v)
+{
+    return (Vector){place->cosine * v.x - place->sine * v.y, place->sine * v.x + place->cosine * v.y};
+}
+
+Vector turn_to_device(const Placement *place, Vector v)
+{
+    return (Vector){place->cosine * v.x + place->sine * v.y, place->cosine * v.y - place->sine * v.x};
+}
+
+Vector to_world(const Placement *place, Vector point)
+{
+    const Vector turned = turn_to_world(place, point);
+    return (Vector){turned.x + place->x, turned.y + place->y};
+}
+
+Vector to_device(const Placement *place, Vector point)
+{
+    return turn_to_device(place, (Vector){point.x - place->x, point.y - place->y});
+}
