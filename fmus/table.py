@@ -44,7 +44,9 @@ class Variable:
     """One variable; ``size`` makes it a one-dimensional array.
 
     ``depends_on`` names the inputs that an output depends on directly (feedthrough), as paths from
-    the model's root with ``fnmatch`` wildcards (``finger_1.joint_angle``, ``peer_*.weight``).
+    the model's root with ``fnmatch`` wildcards (``finger_1.joint_angle``, ``peer_*.weight``);
+    ``{group}`` stands for the variable's own group (``{group}.joint_angle``). ``initial_depends_on``
+    names inputs that it depends on in initialisation mode only (an estimator that is primed).
     ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
     numbers. A parameter is ``fixed``; ``start`` is a scalar (for every element) or a tuple.
     """
@@ -61,6 +63,7 @@ class Variable:
     enumeration: Enumeration | None = None
     role: Role | None = None
     depends_on: tuple[str, ...] = ()
+    initial_depends_on: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +86,12 @@ class Terminal:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """A model: its variables and the C sources beside it and in ``fmus/shared``."""
+    """A model: its variables and the C sources beside it and in ``fmus/shared``.
+
+    ``sources`` are paths relative to ``fmus/`` (``hand/model.c``, ``shared/five_bar.c``).
+    ``variable_step`` says whether steps of different length may follow each other; where it is
+    false, the first step's length is enforced. ``default_step`` is in seconds.
+    """
 
     name: str
     description: str
@@ -91,3 +99,5 @@ class Model:
     sources: tuple[str, ...]
     terminals: tuple[Terminal, ...] = field(default=())
     version: str = "1"
+    variable_step: bool = True
+    default_step: float = 1 / 1024

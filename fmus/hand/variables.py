@@ -1,0 +1,51 @@
+"""A hand (and the device it holds) on one axis: a mass under two held forces."""
+
+from __future__ import annotations
+
+from fmus.table import Model, Variable
+
+MODEL = Model(
+    name="hand",
+    description="Hand on one axis: a mass driven by held forces, discretised exactly",
+    sources=("model.c",),
+    variables=(
+        Variable(
+            name="force",
+            description="Force of the user on the mass",
+            causality="input",
+            unit="N",
+            start=0.0,
+        ),
+        Variable(
+            name="coupler_force",
+            description="Force of the virtual coupler on the mass",
+            causality="input",
+            unit="N",
+            start=0.0,
+        ),
+        Variable(name="position", description="Position", causality="output", unit="m"),
+        Variable(name="velocity", description="Velocity", causality="output", unit="m/s"),
+        Variable(
+            name="mass",
+            description="Mass of hand and device",
+            causality="parameter",
+            unit="kg",
+            start=0.1,
+            minimum=0.0,
+        ),
+        Variable(
+            name="initial_position",
+            description="Position at the start",
+            causality="parameter",
+            unit="m",
+            start=0.0,
+        ),
+        Variable(
+            name="initial_velocity",
+            description="Velocity at the start",
+            causality="parameter",
+            unit="m/s",
+            start=0.0,
+        ),
+    ),
+)
