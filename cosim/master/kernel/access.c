@@ -1,0 +1,155 @@
+/* Setting, getting and stepping through the raw functions of FMI 2.0 and FMI 3.0. */
+
+#include "kernel.h"
+
+typedef int (*Access2)(void *instance, const uint32_t *references, size_t count, void *values);
+typedef int (*Access3)(void *instance, const uint32_t *references, size_t count, void *values,
+                       size_t value_count);
+typedef int (*Step2)(void *instance, double time, double step, int no_set_state_before);
+typedef int (*Step3)(void *instance, double time, double step, bool no_set_state_before,
+                     bool *event, bool *terminate, bool *early_return, double *last_time);
+
+static int call(const Operation *op, void *instance, void *values)
+{
+    size_t references = (size_t)op->reference_count;
+    if (op->version == 2)
+        return ((Access2)op->function)(instance, op->references, references, values);
+    return ((Access3)op->function)(instance, op->references, references, values,
+                                   (size_t)op->cell_count);
+}
+
+static Outcome judge(Kernel *kernel, int status, int64_t *warnings)
+{
+    if (status == STATUS_OK)
+        return OUTCOME_DONE;
+    if (status == STATUS_WARNING) {
+        ++*warnings;
+        return OUTCOME_DONE;
+    }
+    kernel->status = status;
+    return OUTCOME_STATUS;
+}
+
+#define UNPACK(TYPE, FIELD)                                                                       \
+    for (int64_t i = 0; i < op->cell_count; i++)                                                  \
+        op->cells[i].FIELD = ((const TYPE *)op->scratch)[i];                                      \
+    break
+
+static void unpack(const Operation *op)
+{
+    switch (op->type) {
+    case TYPE_FLOAT32: UNPACK(float, real);
+    case TYPE_INT8: UNPACK(int8_t, integer);
+    case TYPE_UINT8: UNPACK(uint8_t, integer);
+    case TYPE_INT16: UNPACK(int16_t, integer);
+    case TYPE_UINT16: UNPACK(uint16_t, integer);
+    case TYPE_INT32: UNPACK(int32_t, integer);
+    case TYPE_UINT32: UNPACK(uint32_t, integer);
+    case TYPE_INT64: UNPACK(int64_t, integer);
+    case TYPE_UINT64: UNPACK(int64_t, integer);
+    case TYPE_BOOLEAN: UNPACK(bool, integer);
+    case TYPE_BOOLEAN_INT:
+        for (int64_t i = 0; i < op->cell_count; i++)
+            op->cells[i].integer = ((const int32_t *)op->scratch)[i] != 0;
+        break;
+    default: break;
+    }
+}
+
+#define PACK(TYPE, LOW, HIGH)                                                                     \
+    for (int64_t i = 0; i < op->cell_count; i++) {                                                \
+        int64_t value = op->cells[i].integer;                                                     \
+        if (value < (LOW) || value > (HIGH))                                                      \
+            return i;                                                                             \
+        ((TYPE *)op->scratch)[i] = (TYPE)value;                                                   \
+    }                                                                                             \
+    break
+
+/* The first value that does not fit the type, or -1. */
+static int64_t pack(const Operation *op)
+{
+    switch (op->type) {
+    case TYPE_FLOAT32:
+        for (int64_t i = 0; i < op->cell_count; i++)
+            ((float *)op->scratch)[i] = (float)op->cells[i].real;
+        break;
+    case TYPE_INT8: PACK(int8_t, INT8_MIN, INT8_MAX);
+    case TYPE_UINT8: PACK(uint8_t, 0, UINT8_MAX);
+    case TYPE_INT16: PACK(int16_t, INT16_MIN, INT16_MAX);
+    case TYPE_UINT16: PACK(uint16_t, 0, UINT16_MAX);
+    case TYPE_INT32: PACK(int32_t, INT32_MIN, INT32_MAX);
+    case TYPE_UINT32: PACK(uint32_t, 0, UINT32_MAX);
+    case TYPE_INT64: PACK(int64_t, INT64_MIN, INT64_MAX);
+    case TYPE_UINT64: PACK(uint64_t, 0, INT64_MAX);
+    case TYPE_BOOLEAN: PACK(bool, 0, 1);
+    case TYPE_BOOLEAN_INT: PACK(int32_t, 0, 1);
+    default: break;
+    }
+    return -1;
+}
+
+static Outcome refuse_nan(Kernel *kernel, const Operation *op)
+{
+    for (int64_t i = 0; i < op->cell_count; i++) {
+        double value = op->cells[i].real;
+        if (value != value) {
+            kernel->cell = &op->cells[i] - kernel->cells;
+            return OUTCOME_NOT_A_NUMBER;
+        }
+    }
+    return OUTCOME_DONE;
+}
+
+Outcome get_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
+{
+    bool direct = op->kind == KIND_GET_FLOAT64;
+    Outcome outcome = judge(kernel, call(op, instance, direct ? (void *)op->cells : op->scratch),
+                            warnings);
+    if (outcome != OUTCOME_DONE)
+        return outcome;
+    if (!direct)
+        unpack(op);
+    if (direct || op->type == TYPE_FLOAT32)
+        return refuse_nan(kernel, op);
+    return OUTCOME_DONE;
+}
+
+Outcome set_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
+{
+    if (op->kind == KIND_SET_FLOAT64)
+        return judge(kernel, call(op, instance, op->cells), warnings);
+    int64_t misfit = pack(op);
+    if (misfit >= 0) {
+        kernel->cell = &op->cells[misfit] - kernel->cells;
+        return OUTCOME_RANGE;
+    }
+    return judge(kernel, call(op, instance, op->scratch), warnings);
+}
+
+/* One period of an instance: `substeps` equal steps. Each time is a ratio of integers that are
+   exact in a double, so it is rounded once. */
+Outcome do_step(Kernel *kernel, Instance *instance)
+{
+    double denominator = (double)(instance->substeps * kernel->tick_denominator);
+    for (int64_t i = 0; i < instance->substeps; i++) {
+        int64_t ticks = kernel->tick * instance->substeps + i * instance->period;
+        double time = (double)(ticks * kernel->tick_numerator) / denominator;
+        int status;
+        if (instance->version == 2) {
+            status = ((Step2)instance->do_step)(instance->instance, time, instance->step, 1);
+        } else {
+            bool event = false, terminate = false, early_return = false;
+            double last_time = time;
+            status = ((Step3)instance->do_step)(instance->instance, time, instance->step, true,
+                                                &event, &terminate, &early_return, &last_time);
+            if (status <= STATUS_WARNING && early_return)
+                return OUTCOME_EARLY_RETURN;
+            if (status <= STATUS_WARNING && terminate)
+                return OUTCOME_TERMINATED;
+        }
+        Outcome outcome = judge(kernel, status, &instance->warnings);
+        if (outcome != OUTCOME_DONE)
+            return outcome;
+    }
+    return OUTCOME_DONE;
+}

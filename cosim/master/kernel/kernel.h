@@ -1,0 +1,188 @@
+/* The compiled loop of the master: it runs a plan over raw FMI functions.
+
+   Freestanding C: no allocation and no libc. Every pointer is owned by the caller (Python), which
+   lays out the structures below field by field (cosim/master/native.py). A cell is 8 bytes: a
+   double, or an int64 for every other numeric type. */
+
+#ifndef COHAPTIC_KERNEL_H
+#define COHAPTIC_KERNEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+enum { KERNEL_ABI = 1 };
+
+/* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
+enum { STATUS_OK = 0, STATUS_WARNING = 1 };
+
+/* What kernel_run and kernel_evaluate return. */
+typedef enum {
+    OUTCOME_DONE = 0,
+    OUTCOME_CALL = 1,         /* a Python component is due: serve `operation`, then call again */
+    OUTCOME_STATUS = 2,       /* an FMI function returned `status` */
+    OUTCOME_NOT_A_NUMBER = 3, /* an FMU put NaN into `cell` */
+    OUTCOME_RANGE = 4,        /* `cell` does not fit the integer type of the input */
+    OUTCOME_EARLY_RETURN = 5, /* an FMI 3 FMU stopped inside its step */
+    OUTCOME_TERMINATED = 6,   /* an FMI 3 FMU asked for the end of the simulation */
+    OUTCOME_OVERFLOW = 7      /* more packets in flight than the plan foresaw */
+} Outcome;
+
+typedef enum {
+    KIND_COPY = 0,
+    KIND_CONVERT = 1,
+    KIND_SET_FLOAT64 = 2,
+    KIND_GET_FLOAT64 = 3,
+    KIND_SET = 4,
+    KIND_GET = 5,
+    KIND_STEP = 6,
+    KIND_CALL = 7,
+    KIND_DELIVER = 8,
+    KIND_SAMPLE = 9,
+    KIND_SEND = 10,
+    KIND_RECORD = 11
+} Kind;
+
+/* The type behind KIND_SET and KIND_GET. */
+typedef enum {
+    TYPE_FLOAT64 = 0,
+    TYPE_FLOAT32 = 1,
+    TYPE_INT8 = 2,
+    TYPE_UINT8 = 3,
+    TYPE_INT16 = 4,
+    TYPE_UINT16 = 5,
+    TYPE_INT32 = 6,
+    TYPE_UINT32 = 7,
+    TYPE_INT64 = 8,
+    TYPE_UINT64 = 9,
+    TYPE_BOOLEAN = 10,       /* FMI 3: one byte */
+    TYPE_BOOLEAN_INT = 11    /* FMI 2: an int that is 0 or 1 */
+} Type;
+
+typedef union {
+    double real;
+    int64_t integer;
+} Cell;
+
+/* One linear or type conversion on the way from an output to an input (KIND_CONVERT). */
+typedef struct {
+    int64_t from;
+    int64_t to;
+    int64_t from_integer; /* the source cell holds an int64 */
+    double gain;
+    double offset;
+} Conversion;
+
+typedef struct {
+    int32_t kind;
+    int32_t owner; /* instance, bundle, record or call, by kind */
+    int32_t type;
+    int32_t version; /* FMI major version of the function */
+    void *function;
+    const uint32_t *references;
+    int64_t reference_count;
+    Cell *cells;        /* first cell of a set or get */
+    int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
+    void *scratch;      /* room for cell_count values of `type` */
+    const void *table;  /* pairs of int32 (from, to), Conversions, or int32 columns */
+} Operation;
+
+/* An FMU instance and its constant step. */
+typedef struct {
+    void *instance;
+    void *do_step;
+    int64_t version;
+    int64_t period;   /* ticks */
+    int64_t substeps; /* doStep calls in one period */
+    double step;      /* s, of one doStep */
+    int64_t warnings;
+} Instance;
+
+/* One stream of packets: the variables of one channel, direction and rate, or one sampled
+   connection inside a station. */
+typedef struct {
+    int64_t period;
+    int64_t width;          /* cells in a packet */
+    const int32_t *sources; /* width source cells */
+    Cell *held;             /* width cells that the receiver reads */
+    Cell *age;              /* ticks since the held packet was sampled */
+    Cell *held_sequence;    /* -1 before the first arrival */
+    int64_t sampled;        /* tick at which the held packet was sampled */
+    int64_t sequence;       /* of the next packet to send */
+    int64_t immediate;      /* this tick's packet has no delay and arrives at once */
+    int64_t delay;          /* ticks, where there is no table of fates */
+    const int64_t *fates;   /* delay of each packet in ticks, -1 lost; NULL: all the same */
+    const int64_t *copies;  /* delay of its second copy in ticks, -1 none */
+    int64_t fate_first;     /* sequence of fates[0] */
+    int64_t fate_count;
+    int64_t capacity;
+    int64_t in_flight;
+    int64_t next_arrival;
+    int64_t *arrival;
+    int64_t *flight_sequence;
+    int64_t *flight_sampled; /* -1 for a second copy, which has no payload */
+    Cell *payload;           /* capacity * width */
+    int64_t sent, delivered, lost, late, duplicate;
+} Bundle;
+
+/* Where the rows of one rate group go during this chunk. */
+typedef struct {
+    Cell *rows;
+    int64_t row;
+    int64_t row_count;
+} Record;
+
+typedef struct {
+    Cell *cells;
+    const Operation *operations;
+    const int32_t *program;       /* operation numbers of all programs, one after another */
+    const int64_t *program_start; /* program count + 1 */
+    const int32_t *pattern;       /* program of each tick of the hyperperiod */
+    int64_t hyperperiod;
+    int64_t first_program; /* of tick 0 */
+    Instance *instances;
+    Bundle *bundles;
+    Record *records;
+    int64_t tick_numerator; /* a tick is tick_numerator / tick_denominator seconds */
+    int64_t tick_denominator;
+
+    int64_t tick;     /* the tick that is running, or the next one */
+    int64_t phase;    /* tick modulo hyperperiod */
+    int64_t running;  /* program that is running, -1 between ticks */
+    int64_t position; /* next operation of that program */
+
+    int64_t operation; /* where it stopped, and why */
+    int64_t status;
+    int64_t cell;
+} Kernel;
+
+/* What an FMU says through its logger; the newest `capacity` bytes are kept. */
+typedef struct {
+    char *text;
+    int64_t capacity;
+    int64_t used;
+    int64_t messages;
+} Log;
+
+Outcome get_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
+Outcome set_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
+Outcome do_step(Kernel *kernel, Instance *instance);
+
+void deliver(Bundle *bundle, int64_t tick);
+bool send_packet(Bundle *bundle, const Cell *cells, int64_t tick);
+
+EXPORT int64_t kernel_abi(void);
+EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
+EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
+EXPORT void kernel_log_fmi2(void *environment, const char *instance, int status,
+                            const char *category, const char *message, ...);
+EXPORT void kernel_log_fmi3(void *environment, int status, const char *category,
+                            const char *message);
+
+#endif

@@ -1,0 +1,109 @@
+"""What the master hands to a recorder: groups of columns, and blocks of rows.
+
+A group holds the signals recorded every ``period`` ticks; row i of a group belongs to tick
+``i * period``. A row is one 8-byte cell a column: a double, or an int64 where ``is_float`` is
+false.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """One recorded signal: ``component.variable``, with ``[i]`` for an element of an array."""
+
+    name: str
+    unit: str | None
+    is_float: bool
+    description: str = ""
+    causality: str = "output"
+    items: tuple[tuple[int, str], ...] = ()
+    """Names of an enumeration's values."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordGroup:
+    """The columns that are recorded together, every ``period`` ticks."""
+
+    name: str
+    period: int
+    columns: tuple[Column, ...]
+
+
+class Sink(Protocol):
+    """Takes the rows of a run. Called from the loop's thread: must be quick."""
+
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
+        """Told once, before the first row."""
+        ...
+
+    def buffer(self, group: int, rows: int) -> Rows:
+        """Room for the next rows of a group: int64, shape (rows, columns), C order.
+
+        The kernel fills it, possibly only in part; it must stay valid until ``commit``.
+        """
+        ...
+
+    def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """The first ``rows`` rows of the last buffer of this group are filled.
+
+        ``first_tick`` is the tick of the first of them.
+        """
+        ...
+
+
+class MemorySink:
+    """Keeps everything in memory; for tests, short runs and analysis."""
+
+    def __init__(self) -> None:
+        self.groups: tuple[RecordGroup, ...] = ()
+        self.base_rate = Fraction(1)
+        self._blocks: list[list[Rows]] = []
+        self._open: dict[int, Rows] = {}
+
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
+        """Forget what was recorded before."""
+        self.groups = tuple(groups)
+        self.base_rate = base_rate
+        self._blocks = [[] for _ in groups]
+
+    def buffer(self, group: int, rows: int) -> Rows:
+        """A fresh block."""
+        block = np.zeros((rows, len(self.groups[group].columns)), dtype=np.int64)
+        self._open[group] = block
+        return block
+
+    def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """Keep the filled part; rows follow each other without a gap."""
+        kept = sum(len(block) for block in self._blocks[group])
+        if first_tick != kept * self.groups[group].period:
+            raise AssertionError(f"rows of {self.groups[group].name} do not follow each other")
+        self._blocks[group].append(self._open.pop(group)[:rows])
+
+    def rows(self, group: int) -> Rows:
+        """All rows of a group, shape (rows, columns)."""
+        width = len(self.groups[group].columns)
+        return np.concatenate(self._blocks[group] or [np.zeros((0, width), dtype=np.int64)])
+
+    def signal(self, name: str) -> NDArray[np.float64] | NDArray[np.int64]:
+        """One recorded signal by name, shape (rows,).
+
+        Raises:
+            KeyError: it was not recorded.
+        """
+        for number, group in enumerate(self.groups):
+            for index, column in enumerate(group.columns):
+                if column.name == name:
+                    cells = np.ascontiguousarray(self.rows(number)[:, index])
+                    return cells.view(np.float64) if column.is_float else cells
+        raise KeyError(name)
