@@ -53,8 +53,8 @@ class Unit:
 
 
 def parse_unit(name: str) -> Unit:
-    """A unit from its spelling (``N.m``, ``N.s/m``, ``m/s2``, ``mm``); unknown words stay a name."""
-    total = dict.fromkeys(_BASES, 0)
+    """A unit from its spelling (``N.m``, ``N.s/m``, ``mm``); an unknown word stays a name."""
+    total: dict[str, int] = dict.fromkeys(_BASES, 0)
     factor = 1.0
     for position, part in enumerate(name.replace("*", ".").split("/")):
         sign = 1 if position == 0 else -1
