@@ -1,0 +1,11 @@
+"""The run record: writing it while a run goes on, reading it, comparing it, exporting it.
+
+``open_run(folder)`` reads one; ``digest(run)`` says whether two are equal, bit for bit.
+"""
+
+from __future__ import annotations
+
+from cosim.record.digest import digest
+from cosim.record.reader import Run, Signal, open_run
+
+__all__ = ["Run", "Signal", "digest", "open_run"]

@@ -1,0 +1,238 @@
+"""Reading a run folder: groups of signals with their ticks, loaded when they are asked for.
+
+A run that was killed, or that still goes on, reads like any other: what counts is the number of
+complete rows in each group.
+"""
+
+from __future__ import annotations
+
+import json
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import InputError
+from cosim.master.recording import Column
+from cosim.record.hdf5 import h5py
+from cosim.record.layout import FORMAT_VERSION
+from cosim.suggest import did_you_mean
+
+RUN_FILE = "run.h5"
+MANIFEST_FILE = "manifest.json"
+SCENARIO_FILE = "scenario.resolved.yaml"
+
+Values = NDArray[np.float64] | NDArray[np.int64]
+
+BLOCK_ROWS = 65536
+
+
+class Group:
+    """Signals recorded at one rate. ``name`` is the rate's; ``period`` is in base ticks."""
+
+    def __init__(self, run: Run, name: str, node: Any) -> None:
+        self.run = run
+        self.name = name
+        self.period = int(node.attrs["period"])
+        self.rows = int(node["rows"][()])
+        self.capacity = int(node["tick"].shape[0])
+        """Rows that the file has room for; more than ``rows`` where a run was cut off."""
+        self._node = node
+
+    @property
+    def rate(self) -> Fraction:
+        """Rows a second (Hz)."""
+        return self.run.base_rate / self.period
+
+    @cached_property
+    def signals(self) -> Mapping[str, Signal]:
+        """The group's signals by name, in the order in which they were recorded."""
+        found = [
+            Signal(self, str(node.attrs["name"]), node)
+            for key, node in self._node.items()
+            if key not in {"rows", "tick"}
+        ]
+        return MappingProxyType({signal.name: signal for signal in found})
+
+    @property
+    def ticks(self) -> NDArray[np.int64]:
+        """Base tick of every row, shape (rows,), read from the file at each call."""
+        return self.ticks_of(0, self.rows)
+
+    def ticks_of(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Base ticks of rows ``start`` to ``stop``; only those are read."""
+        return self._node["tick"][start : min(stop, self.rows)]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Time of every row (s), shape (rows,): the tick over the base rate, rounded once."""
+        return self.ticks * float(self.run.base_rate.denominator) / self.run.base_rate.numerator
+
+    def cells(self, column: int, start: int, stop: int) -> NDArray[np.int64]:
+        """Raw cells of column ``column`` - 1, or of the ticks where ``column`` is 0."""
+        if column == 0:
+            return self.ticks_of(start, stop)
+        return list(self.signals.values())[column - 1][start:stop].view(np.int64)
+
+    def first_row_at(self, tick: int) -> int:
+        """The first row whose tick is ``tick`` or later; ``rows`` if there is none."""
+        ticks = self._node["tick"]
+        return bisect_left(range(self.rows), tick, key=lambda row: int(ticks[row]))
+
+    def pieces(self, start: int = 0, stop: int | None = None) -> Iterator[tuple[int, int]]:
+        """Rows ``start`` to ``stop`` cut into ranges, so that a long run need not fit in memory."""
+        last = self.rows if stop is None else stop
+        for first in range(start, last, BLOCK_ROWS):
+            yield first, min(first + BLOCK_ROWS, last)
+
+
+class Signal:
+    """One recorded variable: float64, or int64 for integers, booleans and enumerations."""
+
+    def __init__(self, group: Group, name: str, node: Any) -> None:
+        self.group = group
+        self.name = name
+        self._node = node
+
+    @property
+    def unit(self) -> str:
+        """The FMI unit string; empty where the variable has none."""
+        return str(self._node.attrs["unit"])
+
+    @cached_property
+    def column(self) -> Column:
+        """What the master said about it when it was recorded."""
+        attributes = self._node.attrs
+        items: dict[str, str] = json.loads(str(attributes.get("items", "{}")))
+        return Column(
+            name=self.name,
+            unit=self.unit or None,
+            is_float=self.is_float,
+            description=self.description,
+            causality=str(attributes["causality"]),
+            items=tuple((int(value), name) for value, name in items.items()),
+        )
+
+    @property
+    def description(self) -> str:
+        """What the component says about the variable."""
+        return str(self._node.attrs.get("description", ""))
+
+    @property
+    def is_float(self) -> bool:
+        """Whether the values are float64; otherwise they are int64."""
+        return self._node.dtype.kind == "f"
+
+    @property
+    def values(self) -> Values:
+        """All values, shape (rows,), read from the file at each call."""
+        return self[:]
+
+    def __getitem__(self, rows: slice) -> Values:
+        """Some rows; only those are read."""
+        start, stop, step = rows.indices(self.group.rows)
+        return cast("Values", self._node[start:stop:step])
+
+    def blocks(self, start: int = 0, stop: int | None = None) -> Iterator[Values]:
+        """The values of rows ``start`` to ``stop``, piece by piece."""
+        for first, last in self.group.pieces(start, stop):
+            yield self[first:last]
+
+
+class Run:
+    """A run folder that is open for reading; a context manager."""
+
+    def __init__(self, folder: Path, file: Any, manifest: Mapping[str, Any]) -> None:
+        self.folder = folder
+        self.manifest = manifest
+        """What ran, where, and how it ended; see docs/record.md. Empty where there is none."""
+        self._file = file
+        numerator, denominator = (int(part) for part in file.attrs["base_rate"])
+        self.base_rate = Fraction(numerator, denominator)
+        """Base ticks a second (Hz)."""
+        self.groups: Mapping[str, Group] = MappingProxyType(
+            {name: Group(self, name, node) for name, node in file.items()}
+        )
+
+    @cached_property
+    def signals(self) -> Mapping[str, Signal]:
+        """Every signal by name; of one recorded at several rates, the fastest."""
+        slowest_first = sorted(self.groups.values(), key=lambda group: -group.period)
+        found: dict[str, Signal] = {}
+        for group in slowest_first:
+            found.update(group.signals)
+        return MappingProxyType(found)
+
+    def __getitem__(self, name: str) -> Signal:
+        """One signal.
+
+        Raises:
+            InputError: nothing of that name was recorded; says what comes near.
+        """
+        if name in self.signals:
+            return self.signals[name]
+        raise InputError(
+            f"{self.folder}: no signal {name} was recorded.{did_you_mean(name, self.signals)}"
+        )
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.signals
+
+    @property
+    def ticks(self) -> int:
+        """Base ticks that the record covers completely in every group."""
+        return min((group.rows * group.period for group in self.groups.values()), default=0)
+
+    @property
+    def scenario_yaml(self) -> str:
+        """The resolved scenario that ran; empty where the folder has none."""
+        path = self.folder / SCENARIO_FILE
+        return path.read_text(encoding="utf-8") if path.exists() else ""
+
+    def close(self) -> None:
+        """Close the file; signals cannot be read afterwards."""
+        self._file.close()
+
+    def __enter__(self) -> Run:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def open_run(path: str | Path) -> Run:
+    """Open a run folder (or the ``run.h5`` in it) for reading.
+
+    Raises:
+        InputError: there is no run, or its file was not written by cohaptic.
+    """
+    folder = Path(path)
+    if folder.name == RUN_FILE:
+        folder = folder.parent
+    target = folder / RUN_FILE
+    if not target.is_file():
+        raise InputError(f"{folder}: not a run folder: there is no {RUN_FILE} in it.")
+    try:
+        file = h5py().File(target, "r", locking=False, rdcc_nbytes=0)
+    except OSError as error:
+        raise InputError(f"{target}: not a readable HDF5 file ({error}).") from error
+    found = file.attrs.get("format")
+    if found != FORMAT_VERSION or "base_rate" not in file.attrs:
+        file.close()
+        what = "it is not a run record" if found is None else f"its format is {found}"
+        raise InputError(f"{target}: {what}; this version reads format {FORMAT_VERSION}.")
+    return Run(folder, file, read_manifest(folder))
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """The folder's manifest; empty where it is missing or was cut off."""
+    try:
+        return json.loads((folder / MANIFEST_FILE).read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError):
+        return {}

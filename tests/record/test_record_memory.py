@@ -1,0 +1,51 @@
+"""The memory of a run does not grow with its length."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+RECORD = """
+import sys
+import numpy as np
+from fractions import Fraction
+from pathlib import Path
+from cosim.master.recording import Column, RecordGroup
+from cosim.record import digest, open_run
+from cosim.record.writer import Recorder
+
+seconds = int(sys.argv[2])
+columns = tuple(Column(name=f"c.x[{i}]", unit="N", is_float=True) for i in range(40))
+group = RecordGroup(name="control", period=1, columns=columns)
+source = np.random.default_rng(1).normal(size=(1024, 40)).view(np.int64)
+with Recorder(Path(sys.argv[1]), seconds * 1024) as recorder:
+    recorder.begin((group,), Fraction(1024))
+    for second in range(seconds):
+        recorder.buffer(0, 1024)[:] = source
+        recorder.commit(0, second * 1024, 1024)
+with open_run(sys.argv[1]) as run:
+    assert run.groups["control"].rows == seconds * 1024
+    digest(run)
+status = Path("/proc/self/status").read_text()
+print(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")))
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read in /proc")
+def test_ten_minutes_take_the_memory_of_ten_seconds(tmp_path: Path) -> None:
+    def peak(seconds: int) -> int:
+        path = tmp_path / str(seconds) / "run.h5"
+        path.parent.mkdir()
+        done = subprocess.run(
+            [sys.executable, "-c", RECORD, str(path), str(seconds)],
+            capture_output=True,
+            check=True,
+        )
+        path.unlink()
+        return int(done.stdout)
+
+    short, long = peak(10), peak(600)
+    assert long < 1.05 * short
