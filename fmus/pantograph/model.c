@@ -136,8 +136,8 @@ void model_outputs(Variables *v, const State *s)
     five_bar_pose(&s->mechanism.bar, s->motion.angle, &pose);
     const double *rate = s->motion.rate;
     const Vector tip = to_world(&s->place, pose.tip);
-    const Vector velocity = turn_to_world(
-        &s->place, (Vector){pose.jacobian[0][0] * rate[0] + pose.jacobian[0][1] * rate[1],
+    const Vector velocity = turn(
+        s->place.rotation, (Vector){pose.jacobian[0][0] * rate[0] + pose.jacobian[0][1] * rate[1],
                             pose.jacobian[1][0] * rate[0] + pose.jacobian[1][1] * rate[1]});
     v->tip_position[0] = tip.x;
     v->tip_position[1] = tip.y;
@@ -169,7 +169,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     const Drive *drive = &s->drive;
     const double step = h / (double)v->substeps;
     const double half = drive->bandwidth > 0.0 ? exp(-0.5 * step * drive->bandwidth) : 0.0;
-    const Vector force = turn_to_device(&s->place, (Vector){v->hand_force[0], v->hand_force[1]});
+    const Vector force = turn_back(s->place.rotation, (Vector){v->hand_force[0], v->hand_force[1]});
     MechanismState motion = s->motion;
     double target[2], away[2]; /* what the amplifiers head for, and how far they are from it, A */
     for (int i = 0; i < 2; i++) {

@@ -12,9 +12,8 @@ _PARAMETERS = (
     *placement_parameters(),
     Variable(
         name="finger_mass",
-        description="Mass of the user's finger and hand, carried at the tip. The thesis's 0.1 kg is "
-        "hand and device together; beside a device that is modelled the finger adds about 0.06 kg "
-        "(assumed)",
+        description="Mass of the user's finger and hand, carried at the tip (assumed: the thesis's "
+        "0.1 kg is hand and device together; beside a modelled device the finger adds 0.06 kg)",
         causality="parameter",
         unit="kg",
         start=0.06,

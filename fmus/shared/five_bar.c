@@ -2,8 +2,6 @@
 
 #include "cohaptic_math.h"
 
-static double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
-
 void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
 {
     *pose = (FiveBarPose){0};
@@ -12,7 +10,7 @@ void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
         pose->elbow[i] = (Vector){(i ? bar->base : 0.0) + c, s};
         pose->tangent[i] = (Vector){-s, c};
     }
-    const Vector across = {pose->elbow[1].x - pose->elbow[0].x, pose->elbow[1].y - pose->elbow[0].y};
+    const Vector across = minus(pose->elbow[1], pose->elbow[0]);
     const double square = dot(across, across);
     const double height = bar->distal * bar->distal - 0.25 * square;
     if (!(square > 0.0 && height > 0.0)) return;
@@ -21,15 +19,15 @@ void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
         {0.5 * across.x - ratio * across.y, 0.5 * across.y + ratio * across.x},
         {-0.5 * across.x - ratio * across.y, -0.5 * across.y + ratio * across.x},
     };
-    pose->tip = (Vector){pose->elbow[0].x + reach[0].x, pose->elbow[0].y + reach[0].y};
+    pose->tip = plus(pose->elbow[0], reach[0]);
     const double inverse = 1.0 / bar->distal;
     double drive[2];
     for (int i = 0; i < 2; i++) {
-        pose->distal[i] = (Vector){reach[i].x * inverse, reach[i].y * inverse};
+        pose->distal[i] = times(inverse, reach[i]);
         drive[i] = dot(pose->distal[i], pose->tangent[i]);
     }
     const Vector u = pose->distal[0], v = pose->distal[1];
-    pose->cross = u.x * v.y - u.y * v.x;
+    pose->cross = cross(u, v);
     if (pose->cross == 0.0) return;
     const double scale = 1.0 / pose->cross;
     pose->jacobian[0][0] = v.y * drive[0] * scale;
@@ -69,9 +67,9 @@ Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,
     double right[2];
     for (int i = 0; i < 2; i++) {
         const Vector w = pose->tangent[i], u = pose->distal[i];
-        const Vector relative = {tip_velocity.x - w.x * rate[i], tip_velocity.y - w.y * rate[i]};
+        const Vector relative = minus(tip_velocity, times(rate[i], w));
         const double inward = -rate[i] * rate[i];
-        right[i] = inward * (u.x * w.y - u.y * w.x) - dot(relative, relative) / bar->distal;
+        right[i] = inward * cross(u, w) - dot(relative, relative) / bar->distal;
     }
     const Vector u = pose->distal[0], v = pose->distal[1];
     const double scale = 1.0 / pose->cross;
@@ -81,26 +79,15 @@ Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,
 
 Placement placement(double x, double y, double angle)
 {
-    return (Placement){x, y, cos(angle), sin(angle)};
-}
-
-Vector turn_to_world(const Placement *place, Vector v)
-{
-    return (Vector){place->cosine * v.x - place->sine * v.y, place->sine * v.x + place->cosine * v.y};
-}
-
-Vector turn_to_device(const Placement *place, Vector v)
-{
-    return (Vector){place->cosine * v.x + place->sine * v.y, place->cosine * v.y - place->sine * v.x};
+    return (Placement){{x, y}, {cos(angle), sin(angle)}};
 }
 
 Vector to_world(const Placement *place, Vector point)
 {
-    const Vector turned = turn_to_world(place, point);
-    return (Vector){turned.x + place->x, turned.y + place->y};
+    return plus(place->origin, turn(place->rotation, point));
 }
 
 Vector to_device(const Placement *place, Vector point)
 {
-    return turn_to_device(place, (Vector){point.x - place->x, point.y - place->y});
+    return turn_back(place->rotation, minus(point, place->origin));
 }

@@ -9,9 +9,7 @@
 
 #include <stdbool.h>
 
-typedef struct {
-    double x, y;
-} Vector;
+#include "vector.h"
 
 typedef struct {
     double proximal, distal, base; /* l, L, d in m */
@@ -42,13 +40,12 @@ Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,
 
 /* Where a device stands in the world: SE(2). */
 typedef struct {
-    double x, y, cosine, sine;
+    Vector origin;
+    Rotation rotation;
 } Placement;
 
 Placement placement(double x, double y, double angle);
 Vector to_world(const Placement *place, Vector point);
 Vector to_device(const Placement *place, Vector point);
-Vector turn_to_world(const Placement *place, Vector direction);
-Vector turn_to_device(const Placement *place, Vector direction);
 
 #endif

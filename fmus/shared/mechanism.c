@@ -6,8 +6,6 @@ typedef struct {
     double a, b, d; /* [a b; b d], symmetric */
 } Symmetric;
 
-static double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
-
 /* A distal link's energy in the velocities of its two ends. They differ across the link only, so
  * that its spin is |xdot - Edot| / L and
  *   m |xdot + Edot|^2 / 8 + I |xdot - Edot|^2 / (2 L^2) = near (|xdot|^2 + |Edot|^2) / 2 + far xdot . Edot

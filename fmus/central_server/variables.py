@@ -1,0 +1,65 @@
+"""The variables of the central server."""
+
+from __future__ import annotations
+
+from fmus.shared import environment, workstation
+from fmus.shared.workstation import FINGER_INPUTS, PEERS
+from fmus.table import Group, Model
+
+_OWN = tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
+_CLIENTS = ("client_?.*", "peer_weight", "peer_valid", "peer_age")
+
+_CLIENT = workstation.packet_inputs(motion=True, box=False, force=False)
+_TO_CLIENT = workstation.packet_outputs(motion=False, box=True, force=_CLIENTS, status=_OWN)
+
+MODEL = Model(
+    name="central_server",
+    description="Server of the centralized architecture: simulates the only box, with its own fingers "
+    "at the control rate and its clients' held between packets, and sends their forces back",
+    variables=(
+        *workstation.station_parameters(),
+        *environment.coupler_parameters(
+            environment.TABLE_8_1,
+            environment.REMOTE_8_2,
+            "Thesis, Table 8.1",
+            "Thesis 8.2, what the remote user is given so that the loop is stable; Table 8.1 has "
+            "the local values here",
+        ),
+        environment.compensation_group(),
+        *environment.box_parameters(),
+        *environment.peer_parameters(),
+        environment.wall_group(),
+        workstation.finger_group((), *environment.finger_contact_outputs()),
+        *workstation.peer_inputs(),
+        Group("client", _CLIENT, count=PEERS),
+        Group("to_client", _TO_CLIENT, count=PEERS),
+        Group(
+            "client_contact",
+            workstation.peer_contact_outputs(_CLIENTS, "client"),
+            count=PEERS,
+        ),
+        *environment.environment_outputs(_CLIENTS),
+    ),
+    sources=(
+        "model.c",
+        "world.c",
+        "box.c",
+        "contact.c",
+        "finger.c",
+        "velocity_estimator.c",
+        "five_bar.c",
+    ),
+    terminals=(
+        *workstation.finger_terminals(),
+        *(
+            terminal
+            for p in range(1, PEERS + 1)
+            for terminal in (
+                workstation.packet_terminal(f"client_{p}", f"What client {p} says", _CLIENT),
+                workstation.packet_terminal(
+                    f"to_client_{p}", f"What client {p} is told", _TO_CLIENT
+                ),
+            )
+        ),
+    ),
+)

@@ -1,0 +1,40 @@
+"""The variables of the remote client."""
+
+from __future__ import annotations
+
+from fmus.shared import workstation
+from fmus.shared.workstation import POSE, VELOCITY, planar, real
+from fmus.table import Group, Model
+
+_UP = workstation.packet_outputs(motion=True, box=False)
+_DOWN = workstation.packet_inputs(motion=False, box=True, force=True)
+_BOX = ("down.box_*",)
+
+MODEL = Model(
+    name="remote_client",
+    description="Client of the centralized architecture: sends its fingers' motion to the server "
+    "and renders the forces that come back, held between packets",
+    variables=(
+        *workstation.station_parameters(peers=False),
+        real(
+            "local_damping",
+            "Damping of the own fingers that replaces the received force as the weight of the "
+            "server goes to 0 (chosen)",
+            "N.s/m",
+            3.0,
+            minimum=0.0,
+        ),
+        workstation.finger_group(("down.finger_?_force", "peer_weight", "peer_valid")),
+        *workstation.peer_inputs(peers=1),
+        Group("down", _DOWN),
+        Group("up", _UP),
+        planar("box_pose", "Pose of the server's box, for display", POSE, _BOX),
+        planar("box_velocity", "Velocity of the server's box, for display", VELOCITY, _BOX),
+    ),
+    sources=("model.c", "finger.c", "velocity_estimator.c", "five_bar.c"),
+    terminals=(
+        *workstation.finger_terminals(),
+        workstation.packet_terminal("up", "What the server is told", _UP),
+        workstation.packet_terminal("down", "What the server says", _DOWN),
+    ),
+)

@@ -1,0 +1,159 @@
+/* Between the variables of a workstation that simulates the box and the world of world.h. Included
+ * after the generated header and workstation.h. */
+#ifndef COHAPTIC_ENVIRONMENT_H
+#define COHAPTIC_ENVIRONMENT_H
+
+#include "workstation.h"
+#include "world.h"
+
+#define READ_SURFACE(prefix) \
+    ((Surface){v->prefix##_normal_stiffness, v->prefix##_normal_damping, \
+               v->prefix##_tangential_stiffness, v->prefix##_tangential_damping, \
+               v->static_friction, v->kinetic_friction, v->slide_threshold})
+
+/* A square of side a turns on the ground as if all friction acted at this fraction of a: the mean
+ * distance from its centre. */
+#define MEAN_DISTANCE 0.383
+
+static const char *environment_set_up(const Variables *v, World *world, WorldState *state, Report *r)
+{
+    if (!(v->mass > 0.0 && v->inertia > 0.0 && v->side > 0.0))
+        return "mass, inertia and side of the box must be positive.";
+    if (!(v->kinetic_friction >= 0.0 && v->static_friction >= v->kinetic_friction))
+        return "static_friction must be at least kinetic_friction, and neither may be negative.";
+    world->period = v->sample_period;
+    world->box = (Box){
+        .half_side = 0.5 * v->side,
+        .mass = v->mass,
+        .inertia = v->inertia,
+        .linear_friction = v->ground_friction * v->gravity,
+        .rotational_friction = v->ground_rotational_friction * v->mass * v->gravity * MEAN_DISTANCE
+                               * v->side / v->inertia,
+        .integration = v->integration,
+    };
+    world->own_surface = READ_SURFACE(local);
+    world->peer_surface = READ_SURFACE(remote);
+    world->compensation =
+        (Planar){v->compensation.x, v->compensation.y, v->compensation.theta};
+    for (int f = 0; f < FINGERS; f++)
+        world->cancellation[f] = (Cancellation){
+            v->hand_mass, v->moment_cancellation ? v->finger[f].max_force : 0.0, v->sample_period};
+    for (int w = 0; w < WALLS; w++) {
+        const double size = hypot(v->wall[w].normal_x, v->wall[w].normal_y);
+        if (v->wall[w].enabled && !(size > 0.0))
+            return report_format(r, "wall_%d needs a normal that is not zero.", w + 1);
+        world->wall[w] = (Wall){
+            .enabled = v->wall[w].enabled,
+            .point = {v->wall[w].point_x, v->wall[w].point_y},
+            .normal = {v->wall[w].normal_x / size, v->wall[w].normal_y / size},
+            .surface = {v->wall[w].normal_stiffness, v->wall[w].normal_damping,
+                        v->wall[w].tangential_stiffness, v->wall[w].tangential_damping,
+                        v->wall[w].friction, v->wall[w].friction, v->slide_threshold},
+        };
+    }
+    state->box.pose =
+        (Planar){v->initial_box_pose.x, v->initial_box_pose.y, v->initial_box_pose.theta};
+    return NULL;
+}
+
+static void own_fingers(const FingerMeasurement measured[FINGERS], WorldInput *input)
+{
+    for (int f = 0; f < FINGERS; f++)
+        input->own[f] =
+            (FingerInput){measured[f].present, measured[f].position, measured[f].velocity};
+}
+
+/* How long ago what a peer last said was so, s; 0 unless the predictor is on. `peer_age` comes from
+ * the link; where nothing drives it the ticks of both sides count from the same instant. */
+static double prediction_time(const Variables *v, int p, int64_t tick, int64_t source_tick,
+                              int64_t source_age)
+{
+    if (v->predictor != PREDICTOR_LINEAR) return 0.0;
+    int64_t age = v->peer_age[p] > 0 ? v->peer_age[p] : tick - source_tick + source_age;
+    if (age < 0) age = 0;
+    if (age > v->prediction_limit) age = v->prediction_limit;
+    return (double)age * v->sample_period;
+}
+
+static double peer_weight(const Variables *v, int p)
+{
+    if (p >= v->peers || !v->peer_valid[p]) return 0.0;
+    return fmin(fmax(v->peer_weight[p], 0.0), 1.0);
+}
+
+static FingerInput peer_finger(bool present, const double position[2], const double velocity[2],
+                               double ahead)
+{
+    return (FingerInput){present,
+                         {position[0] + ahead * velocity[0], position[1] + ahead * velocity[1]},
+                         {velocity[0], velocity[1]}};
+}
+
+/* The fingers of peer p from `source`, any struct with the members of a packet. */
+#define READ_PEER_FINGERS(target, source, p, ahead) \
+    do { \
+        const bool active = (p) < v->peers && status_is_active((source)->status); \
+        (target)->finger[0] = peer_finger(active && v->peer_fingers[p] > 0, \
+                                          (source)->finger_1_position, \
+                                          (source)->finger_1_velocity, ahead); \
+        (target)->finger[1] = peer_finger(active && v->peer_fingers[p] > 1, \
+                                          (source)->finger_2_position, \
+                                          (source)->finger_2_velocity, ahead); \
+    } while (0)
+
+#define WRITE_PLANAR(target, planar) \
+    do { \
+        (target).x = (planar).x; \
+        (target).y = (planar).y; \
+        (target).theta = (planar).theta; \
+    } while (0)
+
+#define WRITE_BOX(packet, box) \
+    do { \
+        (packet).box_x = (box)->pose.x; \
+        (packet).box_y = (box)->pose.y; \
+        (packet).box_theta = (box)->pose.theta; \
+        (packet).box_vx = (box)->velocity.x; \
+        (packet).box_vy = (box)->velocity.y; \
+        (packet).box_omega = (box)->velocity.theta; \
+    } while (0)
+
+#define WRITE_PEER_CONTACTS(target, forces, p) \
+    do { \
+        (target).finger_1_normal_force = (forces)->peer[p][0].along.normal; \
+        (target).finger_2_normal_force = (forces)->peer[p][1].along.normal; \
+        (target).finger_1_contact_state = (forces)->peer_contact[p][0].mode; \
+        (target).finger_2_contact_state = (forces)->peer_contact[p][1].mode; \
+        (target).finger_1_contact_losses = (forces)->peer_contact[p][0].losses; \
+        (target).finger_2_contact_losses = (forces)->peer_contact[p][1].losses; \
+    } while (0)
+
+static void environment_outputs(Variables *v, const Station *station, const World *world,
+                                const WorldState *state, const FingerMeasurement measured[FINGERS],
+                                const WorldForces *forces)
+{
+    for (int f = 0; f < FINGERS; f++) {
+        station_render(v, station, f, &measured[f], forces->own[f].force);
+        v->finger[f].normal_force = forces->own[f].along.normal;
+        v->finger[f].tangential_force = forces->own[f].along.tangential;
+        v->finger[f].contact_state = forces->own_contact[f].mode;
+        v->finger[f].contact_face = forces->own_contact[f].face;
+        v->finger[f].contact_losses = forces->own_contact[f].losses;
+    }
+    WRITE_PLANAR(v->box_pose, state->box.pose);
+    WRITE_PLANAR(v->box_velocity, state->box.velocity);
+    WRITE_PLANAR(v->finger_wrench, forces->from_own);
+    WRITE_PLANAR(v->coupling_wrench, forces->from_peers);
+    WRITE_PLANAR(v->wall_wrench, forces->from_walls);
+    v->wall_penetration = forces->wall_penetration;
+    v->box_energy = box_energy(&world->box, &state->box);
+}
+
+static int64_t contact_bit(const WorldForces *forces)
+{
+    for (int f = 0; f < FINGERS; f++)
+        if (forces->own_contact[f].mode != CONTACT_FREE) return STATUS_CONTACT;
+    return 0;
+}
+
+#endif

@@ -1,0 +1,57 @@
+/* A workstation's own finger: from joint angles to position and velocity, from force to torque. */
+#ifndef COHAPTIC_FINGER_H
+#define COHAPTIC_FINGER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "five_bar.h"
+#include "velocity_estimator.h"
+
+enum { STATUS_HOMED = 1, STATUS_ACTIVE = 2, STATUS_FAULT = 4, STATUS_OUTPUT = 8, STATUS_CONTACT = 16 };
+
+typedef struct {
+    FiveBar bar;
+    Placement place;
+    double quantum;   /* of the joint angle, rad; 0: not quantised */
+    double max_force; /* N */
+    bool used;
+    bool adaptive;    /* FOAW on the joint angles, otherwise finite difference on the tip */
+    int64_t window;   /* ticks */
+    double period;    /* s */
+} Finger;
+
+typedef struct {
+    SampleWindow samples;
+    Vector position; /* the last good one, world */
+} FingerState;
+
+typedef struct {
+    bool readable;     /* the joint angles are a position that the mechanism can take */
+    bool present;      /* readable, and the device is homed, active and without fault */
+    Vector position, velocity; /* world */
+    double jacobian[2][2];
+    double sample[2];  /* what the estimator keeps of this tick */
+} FingerMeasurement;
+
+/* Whether forces may be exchanged with a device in this status. */
+bool status_is_active(int64_t status);
+
+/* Pure. `sample_age` is 0 where joint_angle was measured at this tick; older readings are held and
+ * the estimate stays that of the last new sample. */
+FingerMeasurement finger_measure(const Finger *finger, const FingerState *state,
+                                 const double joint_angle[2], int64_t status, int64_t sample_age,
+                                 int64_t tick);
+
+/* Take this tick's measurement into the window. */
+void finger_commit(FingerState *state, const FingerMeasurement *measured, int64_t sample_age,
+                   int64_t tick);
+
+/* A force (N, world) no larger than the device's maximum, its direction kept. */
+Vector limited_force(Vector force, double max_force);
+
+/* Joint torques of a force on the tip, tau = J' F, N.m. Zero where the finger is not present. */
+void finger_torque(const Finger *finger, const FingerMeasurement *measured, Vector force,
+                   double torque[2]);
+
+#endif
