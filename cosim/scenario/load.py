@@ -21,4 +21,14 @@ def load(
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
     """
-    raise NotImplementedError
+    from cosim.scenario.build import build
+    from cosim.scenario.include import read_document
+    from cosim.scenario.merge import merge
+    from cosim.scenario.override import apply_override
+
+    file, root = read_document(path)
+    for overlay in overlays:
+        root = merge(root, read_document(overlay, is_overlay=True)[1])
+    for override in sets:
+        root = apply_override(root, override)
+    return build(root, file)

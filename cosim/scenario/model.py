@@ -7,6 +7,7 @@ and nothing in here can change once it is loaded.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -46,6 +47,8 @@ class Component:
     """Steps a second (Hz)."""
     period: int
     """Base ticks from one step to the next."""
+    flavour: str = "fmi3"
+    """Which archive of a bundled FMU: fmi2, fmi3 (scalars) or fmi3-arrays."""
     substeps: int = 1
     """FMI ``doStep`` calls in one period, each of period / substeps."""
     feedthrough: bool | None = None
@@ -133,6 +136,8 @@ class Direction:
     trace: tuple[int, ...] | None = None
     """Recorded fate of each packet in order, repeated when it ends: delay in ticks, -1 lost. It
     stands in place of delay, jitter and loss."""
+    trace_file: Path | None = field(default=None, compare=False)
+    """Where the trace was read from, if it was a file."""
 
     @property
     def is_random(self) -> bool:
@@ -202,13 +207,20 @@ class Connection:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """Signals to record: an ``fnmatch`` pattern over ``component.variable``."""
+    """Signals to record, as a pattern over ``component.variable``."""
 
     pattern: str
+    """``*`` and ``?`` as in file names, brackets literal; naming a group or an array means all of
+    it."""
     rate: Fraction | None = None
     """Rows a second; ``None`` records at the component's own rate."""
     period: int | None = None
     """Base ticks from one row to the next; ``None`` with ``rate``."""
+
+    def matches(self, signal: str) -> bool:
+        """Whether ``component.variable`` is among the signals meant."""
+        wild = re.escape(self.pattern).replace(r"\*", ".*").replace(r"\?", ".")
+        return re.fullmatch(rf"{wild}([.\[].*)?", signal) is not None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,7 +231,7 @@ class Scenario:
     """Version of the scenario language."""
     name: str
     """The file's name without folder and ``.yaml``; names the run's folder."""
-    file: Path
+    file: Path = field(compare=False)
     title: str
     description: str = ""
     duration: Fraction

@@ -1,0 +1,1 @@
+"""The scenarios that come with cohaptic; a package, so that an installed wheel carries them."""
