@@ -1,15 +1,27 @@
-"""From a model's folder to its libraries: find the models, generate their C, compile."""
+"""From a model's folder to its FMUs: find the models, generate their C, compile, pack.
+
+What was built lies in ``fmus/_built`` with a note of the sources it was built from. Nothing is
+built twice from the same sources, and what is older than its sources is not used.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import importlib
+import json
+import os
 import tempfile
+import uuid
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from fmus.compiler import BuildError, compile_library, host_platform
-from fmus.header import variables_header
+from fmus import model_names
+from fmus.archive import FLAVOURS, fmu_bytes, licence_files
+from fmus.compiler import PLATFORMS, BuildError, Platform, compile_library, host_platform
+from fmus.header import description_source, variables_header
 from fmus.table import Model
 
 FOLDER = Path(__file__).resolve().parent
@@ -18,11 +30,25 @@ FOLDER = Path(__file__).resolve().parent
 BUILT = FOLDER / "_built"
 """Where what was built lies."""
 
+_SUPPORT = ("report.c", "number.c", "table_file.c", "platform.c")
+_GLUE = ("instance.c", "values.c", "snapshot.c", "fmi2.c", "fmi3.c")
+_GENERATORS = ("archive", "compiler", "description", "description2", "description3", "header")
+_INCLUDE = (
+    FOLDER / "fmi",
+    FOLDER / "fmi" / "headers",
+    FOLDER / "fmi" / "freestanding",
+    FOLDER / "libm",
+    FOLDER / "libm" / "musl",
+    FOLDER / "shared",
+)
 
-@cache
-def model_names() -> tuple[str, ...]:
-    """The names of all models, in alphabetical order."""
-    return tuple(sorted(path.parent.name for path in FOLDER.glob("*/variables.py")))
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A model's description and the folder that its C files are in."""
+
+    model: Model
+    folder: Path
 
 
 @cache
@@ -40,33 +66,92 @@ def load_model(name: str) -> Model:
     return model
 
 
-def model_sources(model: Model, folder: Path | None = None) -> list[Path]:
+def source_of(name: str) -> Source:
+    """A model in ``fmus/`` by its name."""
+    return Source(load_model(name), FOLDER / name)
+
+
+def model_files(source: Source) -> list[Path]:
     """The model's own C files: each beside its description or in ``fmus/shared``."""
-    own = folder or FOLDER / model.name
     found: list[Path] = []
-    for source in model.sources:
-        candidates = (own / source, FOLDER / "shared" / source, FOLDER / source)
+    for name in source.model.sources:
+        candidates = (source.folder / name, FOLDER / "shared" / name)
         existing = [path for path in candidates if path.is_file()]
         if not existing:
-            raise BuildError(f"Model {model.name} names a source '{source}' that is not there.")
+            raise BuildError(
+                f"Model {source.model.name} names a source '{name}', which is missing."
+            )
         found.append(existing[0])
     return found
 
 
-def support_sources() -> list[Path]:
-    """What every model is linked with: the report, the platform layer and the libm."""
-    names = ("report.c", "number.c", "table_file.c", "platform.c")
-    return [FOLDER / "fmi" / name for name in names] + sorted(
-        (FOLDER / "libm" / "musl").glob("*.c")
-    )
+def source_digest(source: Source) -> str:
+    """A SHA-256 of everything that the model's FMUs are made of."""
+    own = [*model_files(source), *source.folder.glob("*.h"), source.folder / "variables.py"]
+    if any(path.parent == FOLDER / "shared" for path in own):
+        own += (FOLDER / "shared").glob("*.h")
+    digest = hashlib.sha256(_common_digest())
+    digest.update(variables_header(source.model).encode())
+    for path in sorted(own):
+        digest.update(f"{path.name}\0".encode() + path.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
-_LIBM = (FOLDER / "libm", FOLDER / "libm" / "musl")
+def build_fmus(
+    source: Source,
+    *,
+    platforms: Sequence[Platform] = PLATFORMS,
+    output: Path = BUILT,
+    force: bool = False,
+) -> bool:
+    """Build the three FMUs of one model where they are missing or older than their sources.
+
+    Writes ``<model>.<flavour>.fmu`` and ``<model>.json`` into ``output``; each appears whole or
+    not at all. Returns whether anything was built.
+
+    Raises:
+        BuildError: the model's table or its C is wrong.
+    """
+    model = source.model
+    digest = source_digest(source)
+    names = [platform.name for platform in platforms]
+    note = {"digest": digest, "platforms": names}
+    if not force and read_note(model.name, output) == note and _is_complete(model.name, output):
+        return False
+    output.mkdir(parents=True, exist_ok=True)
+    token = f"{{{uuid.UUID(digest[:32])}}}"
+    with tempfile.TemporaryDirectory(dir=output) as scratch_name:
+        scratch = Path(scratch_name)
+        generated = _generate(model, scratch, token=token, digest=digest)
+        files = [*model_files(source), generated, *_glue_files(), *support_files()]
+        include = [*_INCLUDE, source.folder, scratch]
+
+        def compile_for(platform: Platform) -> bytes:
+            path = scratch / platform.name / f"{model.name}{platform.suffix}"
+            compile_library(platform, path, files, include=include)
+            return path.read_bytes()
+
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            libraries = dict(zip(names, pool.map(compile_for, platforms), strict=True))
+        licences = licence_files(FOLDER)
+        for flavour in FLAVOURS:
+            path = scratch / f"{model.name}.{flavour}.fmu"
+            path.write_bytes(fmu_bytes(model, flavour, libraries, token=token, licences=licences))
+        (scratch / f"{model.name}.json").write_text(json.dumps(note))
+        for path in [*scratch.glob("*.fmu"), scratch / f"{model.name}.json"]:
+            path.replace(output / path.name)
+    return True
 
 
-def include_folders() -> list[Path]:
-    """Where models and glue find their headers, the generated ones apart."""
-    return [FOLDER / "fmi", FOLDER / "fmi" / "headers", *_LIBM, FOLDER / "shared"]
+def build_all(names: Iterable[str] | None = None, *, force: bool = False) -> list[str]:
+    """Build what is missing or stale of the models (all of them unless named); what was built."""
+    return [name for name in names or model_names() if build_fmus(source_of(name), force=force)]
+
+
+def read_note(name: str, folder: Path = BUILT) -> dict[str, object] | None:
+    """What was noted when the model was built last: ``digest`` and ``platforms``."""
+    path = folder / f"{name}.json"
+    return json.loads(path.read_text()) if path.is_file() else None
 
 
 def build_development(model: Model | str, *, folder: Path | None = None) -> Path:
@@ -78,13 +163,13 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
     Raises:
         BuildError: the model's table or its C is wrong.
     """
-    if isinstance(model, str):
-        model = load_model(model)
+    model = load_model(model) if isinstance(model, str) else model
+    source = Source(model, folder or FOLDER / model.name)
     header = variables_header(model)
-    sources = [*model_sources(model, folder), FOLDER / "fmi" / "development.c", *support_sources()]
-    include = [*include_folders(), *([folder] if folder else [])]
+    files = [*model_files(source), FOLDER / "fmi" / "development.c", *support_files()]
+    include = [*_INCLUDE, source.folder]
     digest = hashlib.sha256(header.encode())
-    for path in [*sources, *(h for place in include for h in sorted(place.glob("*.h")))]:
+    for path in [*files, *(h for place in include for h in sorted(place.glob("*.h")))]:
         digest.update(path.read_bytes())
     target = host_platform()
     place = BUILT / "development" / f"{model.name}-{digest.hexdigest()[:16]}{target.suffix}"
@@ -93,6 +178,40 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
         with tempfile.TemporaryDirectory(dir=place.parent) as name:
             scratch = Path(name)
             (scratch / f"{model.name}_variables.h").write_text(header)
-            compile_library(target, scratch / place.name, sources, include=[*include, scratch])
+            compile_library(target, scratch / place.name, files, include=[*include, scratch])
             (scratch / place.name).replace(place)
     return place
+
+
+def support_files() -> list[Path]:
+    """What every model is linked with: the report, the platform layer and the libm."""
+    return [FOLDER / "fmi" / name for name in _SUPPORT] + sorted(
+        (FOLDER / "libm" / "musl").glob("*.c")
+    )
+
+
+def _glue_files() -> list[Path]:
+    return [FOLDER / "fmi" / name for name in _GLUE]
+
+
+def _generate(model: Model, folder: Path, *, token: str, digest: str) -> Path:
+    (folder / f"{model.name}_variables.h").write_text(variables_header(model))
+    path = folder / f"{model.name}_description.c"
+    path.write_text(description_source(model, token=token, digest=digest))
+    return path
+
+
+def _is_complete(name: str, folder: Path) -> bool:
+    return all((folder / f"{name}.{flavour}.fmu").is_file() for flavour in FLAVOURS)
+
+
+@cache
+def _common_digest() -> bytes:
+    """What all models share: the glue, the libm, the compiler flags and the generators."""
+    files = [path for folder in _INCLUDE[:-1] for path in folder.glob("*.h")]
+    files += [*_glue_files(), *support_files()]
+    files += [FOLDER / f"{name}.py" for name in (*_GENERATORS, "layout", "units")]
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(f"{path.name}\0".encode() + path.read_bytes() + b"\0")
+    return digest.digest()

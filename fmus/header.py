@@ -70,7 +70,6 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
         f"const uint64_t model_digest[2] = {{0x{digest[:16]}u, 0x{digest[16:32]}u}};",
         f"const bool model_variable_step = {'true' if model.variable_step else 'false'};",
         f"const uint32_t model_slots = {layout.slots};",
-        f"const size_t model_variables_size = {8 * layout.slots};",
         "",
         f"const Element model_elements[{max(layout.slots, 1)}] = {{",
     ]
@@ -93,7 +92,6 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
 
 def _element(element: Element) -> str:
     variable = element.variable
-    first, length = element.slot - element.index, variable.size or 1
     minimum, maximum = "-INFINITY", "INFINITY"
     if variable.type == "enumeration" and variable.enumeration is not None:
         values = [item.value for item in variable.enumeration.items]
@@ -107,16 +105,15 @@ def _element(element: Element) -> str:
             maximum = repr(float(variable.maximum))
     start = element.start
     if variable.type == "string":
-        first, initial = element.slot, "0"
+        initial = "0"
     elif variable.type == "real":
         initial = f".real = {float(start or 0.0)!r}"
     else:
         initial = f".integer = {int(start or 0)}"
-    span = length if element.index == 0 and variable.type != "string" else 1
-    del first
+    length = variable.size or 1 if element.index == 0 else 0
     return (
         f"    [{element.slot}] = {{{_string(element.name)}, {_GLUE_TYPE[variable.type]}, "
-        f"{_GLUE_ACCESS[variable.causality]}, {span}, {minimum}, {maximum}, {{{initial}}}}},"
+        f"{_GLUE_ACCESS[variable.causality]}, {length}, {minimum}, {maximum}, {{{initial}}}}},"
     )
 
 

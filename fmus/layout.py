@@ -18,7 +18,7 @@ STRING_SLOTS = 64
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A variable at its path from the model's root (``finger_1.joint_angle``), first at ``slot``."""
+    """A variable at its path from the model's root, ``finger_1.joint_angle``; first at ``slot``."""
 
     path: str
     group: str

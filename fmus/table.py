@@ -45,8 +45,9 @@ class Variable:
 
     ``depends_on`` names the inputs that an output depends on directly (feedthrough), as paths from
     the model's root with ``fnmatch`` wildcards (``finger_1.joint_angle``, ``peer_*.weight``);
-    ``{group}`` stands for the variable's own group (``{group}.joint_angle``). ``initial_depends_on``
-    names inputs that it depends on in initialisation mode only (an estimator that is primed).
+    ``{group}`` stands for the variable's own group (``{group}.joint_angle``).
+    ``initial_depends_on`` names inputs that it depends on in initialisation mode only (an estimator
+    that is primed).
     ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
     numbers. A parameter is ``fixed``; ``start`` is a scalar (for every element) or a tuple.
     """
@@ -88,7 +89,7 @@ class Terminal:
 class Model:
     """A model: its variables and the C sources beside it and in ``fmus/shared``.
 
-    ``sources`` are paths relative to ``fmus/`` (``hand/model.c``, ``shared/five_bar.c``).
+    ``sources`` are file names, each beside the description or in ``fmus/shared``.
     ``variable_step`` says whether steps of different length may follow each other; where it is
     false, the first step's length is enforced. ``default_step`` is in seconds.
     """

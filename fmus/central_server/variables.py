@@ -14,7 +14,7 @@ _TO_CLIENT = workstation.packet_outputs(motion=False, box=True, force=_CLIENTS, 
 
 MODEL = Model(
     name="central_server",
-    description="Server of the centralized architecture: simulates the only box, with its own fingers "
+    description="Server of the centralized architecture: simulates the only box, with own fingers "
     "at the control rate and its clients' held between packets, and sends their forces back",
     variables=(
         *workstation.station_parameters(),

@@ -1,0 +1,162 @@
+"""``modelDescription.xml`` and the terminals of FMI 3.0, with scalars or with arrays."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+from fmus import description
+from fmus.description import add
+from fmus.layout import Element, Layout, Placed, elements_of
+from fmus.table import Model
+
+_TAG = {
+    "real": "Float64",
+    "integer": "Int32",
+    "boolean": "Boolean",
+    "enumeration": "Enumeration",
+    "string": "String",
+}
+
+TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
+
+
+def model_description(model: Model, *, token: str, arrays: bool) -> bytes:
+    """The document. With ``arrays`` a variable with a size is one variable with a dimension."""
+    layout = Layout(model)
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="3.0",
+        modelName=model.name,
+        instantiationToken=f"{token}-arrays" if arrays else token,
+        description=model.description,
+        version=model.version,
+        generationTool=description.TOOL,
+        variableNamingConvention="structured",
+    )
+    add(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.name,
+        canHandleVariableCommunicationStepSize="true" if model.variable_step else "false",
+        canGetAndSetFMUState="true",
+        canSerializeFMUState="true",
+    )
+    description.add_units(root, layout)
+    _add_types(root, layout)
+    description.add_log_categories(root)
+    add(root, "DefaultExperiment", startTime="0.0", stepSize=repr(model.default_step))
+    variables = add(root, "ModelVariables")
+    for placed in layout.placed:
+        if arrays:
+            _add_variable(variables, placed.path, elements_of(placed), placed.variable.size)
+        else:
+            for element in elements_of(placed):
+                _add_variable(variables, element.name, [element], None)
+    add(
+        variables,
+        "Float64",
+        name="time",
+        valueReference=str(layout.slots),
+        description="Simulation time",
+        causality="independent",
+        variability="continuous",
+        unit="s" if "s" in layout.units else None,
+    )
+    _add_structure(root, layout, arrays=arrays)
+    return description.to_text(root)
+
+
+def terminals(model: Model, *, arrays: bool) -> bytes | None:
+    """``terminalsAndIcons.xml``, or ``None`` for a model without terminals.
+
+    Members keep the index of an array in scalar archives: ``joint_angle[1]``.
+    """
+    if not model.terminals:
+        return None
+    layout = Layout(model)
+    root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    parent = add(root, "Terminals")
+    for terminal in model.terminals:
+        node = add(
+            parent,
+            "Terminal",
+            name=terminal.name,
+            matchingRule="plug",
+            description=terminal.description,
+        )
+        for member, path in terminal.members.items():
+            placed = layout.find(path)
+            names = [path] if arrays else [element.name for element in elements_of(placed)]
+            for name in names:
+                add(
+                    node,
+                    "TerminalMemberVariable",
+                    variableName=name,
+                    memberName=member + name.removeprefix(path),
+                    variableKind="signal",
+                )
+    return description.to_text(root)
+
+
+def _add_types(root: ET.Element, layout: Layout) -> None:
+    if not layout.enumerations:
+        return
+    definitions = add(root, "TypeDefinitions")
+    for enumeration in layout.enumerations:
+        kind = add(
+            definitions,
+            "EnumerationType",
+            name=enumeration.name,
+            description=enumeration.description,
+        )
+        for item in enumeration.items:
+            add(kind, "Item", name=item.name, value=str(item.value), description=item.description)
+
+
+def _add_variable(parent: ET.Element, name: str, elements: list[Element], size: int | None) -> None:
+    first, variable = elements[0], elements[0].variable
+    fixed = variable.causality in {"parameter", "calculatedParameter"}
+    limited = variable.type in {"real", "integer"}
+    starts = [text for element in elements if (text := description.start_text(element)) is not None]
+    node = add(
+        parent,
+        _TAG[variable.type],
+        name=name,
+        valueReference=str(first.slot),
+        description=variable.description,
+        causality=variable.causality,
+        variability="fixed" if fixed else "continuous" if variable.type == "real" else "discrete",
+        initial="calculated" if variable.causality not in {"parameter", "input"} else None,
+        declaredType=variable.enumeration.name if variable.enumeration else None,
+        unit=variable.unit,
+        min=description.limit_text(first, variable.minimum) if limited else None,
+        max=description.limit_text(first, variable.maximum) if limited else None,
+        start=" ".join(starts) if starts and variable.type != "string" else None,
+    )
+    if variable.role is not None:
+        annotations = add(node, "Annotations")
+        add(annotations, "Annotation", type=f"{description.TOOL}.role").text = variable.role
+    if size is not None:
+        add(node, "Dimension", start=str(size))
+    if variable.type == "string":
+        for text in starts:
+            add(node, "Start", value=text)
+
+
+def _add_structure(root: ET.Element, layout: Layout, *, arrays: bool) -> None:
+    def references(places: list[Placed]) -> list[str]:
+        if arrays:
+            return [str(placed.slot) for placed in places]
+        return [str(element.slot) for element in description.scalars(places)]
+
+    structure = add(root, "ModelStructure")
+    for placed in layout.placed:
+        if placed.variable.causality == "output":
+            known = " ".join(references(description.feedthrough(layout, placed)))
+            for reference in references([placed]):
+                add(structure, "Output", valueReference=reference, dependencies=known)
+    for placed in layout.placed:
+        if description.is_unknown_at_start(placed):
+            known = " ".join(references(description.initial_dependencies(layout, placed)))
+            for reference in references([placed]):
+                add(structure, "InitialUnknown", valueReference=reference, dependencies=known)
