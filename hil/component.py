@@ -1,0 +1,165 @@
+"""A device as a component: it takes the pantograph FMU's place, variable by variable."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from math import nan
+from pathlib import Path
+from typing import Any
+
+from cosim.component import Cells, Component, Role, Setup, Variable
+from cosim.errors import InputError
+from hil import session as sessions
+from hil.address import parse
+from hil.contract import Flag, State
+from hil.device import Device
+from hil.device_file import DeviceFile, default, load
+from hil.limits import SPEED_WINDOW_TICKS
+from hil.pantograph import variables
+
+REST_TICKS = 2 * SPEED_WINDOW_TICKS
+"""Ticks at zero torque before activation, in which the handle has to rest."""
+_FILE_OPTIONS = ("file", "preset")
+
+
+class DeviceComponent(Component):
+    """Read at the beginning of a tick, write once the torque is known.
+
+    Variables of role ``simulation_only`` are all there: such an input is accepted and ignored, such
+    an output is NaN (a whole number: 0).
+    """
+
+    feedthrough = True
+
+    def __init__(self, kind: type[Device], url: str, options: Mapping[str, Any]) -> None:
+        self.kind = kind
+        self.address = parse(
+            url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS}
+        )
+        self.file = device_file(kind, options)
+        self.device: Device | None = None
+        self.flags = Flag.NONE
+
+    @property
+    def variables(self) -> Sequence[Variable]:
+        """Exactly the pantograph FMU's."""
+        return variables()
+
+    @property
+    def dependencies(self) -> Mapping[str, Sequence[str]]:
+        """A device's outputs are measured; what was sent is known after ``write`` only."""
+        return {}
+
+    def initialise(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Configure, home, see the handle rest, and activate; then the first tick may come.
+
+        Raises:
+            DeviceError: the device does not answer or refuses activation.
+            InputError: its address or file cannot be used.
+        """
+        self._command = inputs["motor_torque"]
+        self._ignored = [
+            inputs[v.name]
+            for v in variables()
+            if v.causality == "input" and v.role is Role.SIMULATION_ONLY
+        ]
+        self._angle, self._count = outputs["joint_angle"], outputs["encoder_count"]
+        self._age, self._status = outputs["sample_age"], outputs["status"]
+        self._applied = outputs["applied_torque"]
+        for variable in variables():
+            if variable.causality == "output" and variable.role is Role.SIMULATION_ONLY:
+                outputs[variable.name][...] = nan if variable.type.is_float else 0
+        session = sessions.current()
+        control = Fraction(*setup.tick) * setup.period
+        device = session.ready.get(setup.name) or self.open(control, session, setup.parameters)
+        self.device = device
+        if device not in session.devices:
+            session.devices.append(device)
+        observe_rest(device, pace=session.clock is not None)
+        device.activate()
+        self.read(0)
+        self._applied[...] = 0.0
+
+    def open(
+        self, control: Fraction, session: sessions.Session, parameters: Mapping[str, Any]
+    ) -> Device:
+        """Configure and home the device: all that needs a person, a thread or the time to wait."""
+        device = self.kind(
+            self.address, self.file, tick=control, pulse=session.pulse, clock=session.clock
+        )
+        device.parameters = dict(parameters)
+        device.configure()
+        try:
+            device.permission = session.permission(device)
+            for warning in device.warnings():
+                session.tell(warning)
+            session.hold_home_pose(device)
+            device.home()
+        except BaseException:
+            device.close()
+            raise
+        return device
+
+    def read(self, tick: int) -> None:
+        """Take the measurement."""
+        measured = self._opened().read(tick)
+        self._angle[0], self._angle[1] = measured.joint_angle
+        self._count[0], self._count[1] = measured.count
+        self._age[0] = measured.sample_age
+        self._status[0] = int(measured.status)
+
+    def write(self, tick: int) -> None:
+        """Send the command; a fault ends the run as soon as its outcome is known.
+
+        Raises:
+            DeviceFault: the device is in FAULT.
+        """
+        device = self._opened()
+        sent = device.write(tick, (float(self._command[0]), float(self._command[1])))
+        self._applied[0], self._applied[1] = sent.torque
+        self._status[0] = int(device.status)
+        self.flags = sent.flags
+        if any(cells.any() for cells in self._ignored):
+            self.flags |= Flag.IGNORED_INPUT
+        device.raise_fault()
+
+    def close(self) -> None:
+        """Zero the device and let go of it."""
+        if self.device is not None:
+            self.device.close()
+
+    def _opened(self) -> Device:
+        assert self.device is not None, "initialise comes first"
+        return self.device
+
+
+def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
+    """The device file that a scenario's options name, or the maker's defaults.
+
+    Raises:
+        InputError: it cannot be used, or belongs to another driver.
+    """
+    path = options.get("file")
+    if path is None:
+        preset = options.get("preset", "haply" if kind.driver == "haply" else "quanser")
+        return default(kind.driver, str(preset))
+    file = load(Path(str(path)).expanduser())
+    if file.driver != kind.driver:
+        raise InputError(f"{path} is a device file for '{file.driver}', not for '{kind.driver}'")
+    return file
+
+
+def observe_rest(device: Device, *, pace: bool) -> None:
+    """Exchange zeros for long enough to know whether the handle rests."""
+    for tick in range(-REST_TICKS, 0):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+        if device.state is State.FAULT and device.settled:
+            break
+        if pace:
+            time.sleep(device.tick)
+    device.raise_fault()

@@ -1,0 +1,1 @@
+"""One driver a file; each is registered under the entry point group ``cohaptic.devices``."""

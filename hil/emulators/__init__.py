@@ -1,0 +1,1 @@
+"""Emulated devices: other processes that move a simulated pantograph and speak the real bytes."""

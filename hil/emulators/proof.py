@@ -1,0 +1,53 @@
+"""How an emulator proves that it is one: it moves without force, by an amount told only to it.
+
+The side channel is told two random angles; if the angles that the driver reads over the device's
+own wire then shift by exactly those, there is no hand and no motor behind that wire.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+from math import pi
+from random import SystemRandom
+from typing import TYPE_CHECKING
+
+from hil.emulators.control import Control
+from hil.errors import DeviceError
+
+if TYPE_CHECKING:
+    from hil.device import Device
+    from hil.linkage import Pair
+
+EXCHANGES = 4
+
+
+def is_emulator(device: Device) -> bool:
+    """Whether a configured, inactive device is an emulator; it needs ``emulator=`` in its URL."""
+    path = device.address.options.get("emulator")
+    if path is None:
+        return False
+    random = SystemRandom()
+    shift = (random.uniform(0.1, 0.4), random.uniform(-0.4, -0.1))
+    try:
+        with closing(Control(path)) as control:
+            before = _angles(device)
+            control.ask("shift", by=shift)
+            moved = _angles(device)
+            control.ask("shift", by=(0.0, 0.0))
+            after = _angles(device)
+    except DeviceError:
+        return False
+    allowed = 3 * max(2 * pi / joint.counts_per_turn for joint in device.file.joints)
+    return all(
+        abs(abs(moved[axis] - before[axis]) - abs(shift[axis])) < allowed
+        and abs(after[axis] - before[axis]) < allowed
+        for axis in (0, 1)
+    )
+
+
+def _angles(device: Device) -> Pair:
+    """Shaft angles after the exchanges that a pipelined protocol needs to show a change."""
+    for tick in range(-EXCHANGES, 0):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+    return device.read(0).joint_angle

@@ -1,0 +1,49 @@
+"""What has to stand behind a device before it may produce force."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from hil.errors import ActivationRefused
+
+if TYPE_CHECKING:
+    from hil.device import Device
+
+NETWORK = frozenset({"socket", "rfc2217", "udp_multicast"})
+"""Transports that anybody on the network could write to: for emulators only."""
+
+
+def check_safeguards(device: Device) -> None:
+    """Refuse output that nothing would switch off when this process dies.
+
+    Raises:
+        ActivationRefused: a network transport to hardware, another Python thread in the process, no
+            verified watchdog and no supervisor, or no switch that cuts the power.
+    """
+    permission = device.permission
+    if device.in_process or permission is None:
+        return
+    emulated = permission.how.startswith("emulator")
+    if device.address.transport in NETWORK and not emulated:
+        raise ActivationRefused(
+            f"{device.name} is reached over a network, which nobody guards: "
+            "such a transport is for emulators only"
+        )
+    if threading.active_count() > 1:
+        raise ActivationRefused(
+            f"{device.name}: another Python thread lives in the control process and would delay "
+            "the loop by milliseconds"
+        )
+    if device.watchdog.verified or emulated:
+        return
+    if device.pulse is None:
+        raise ActivationRefused(
+            f"{device.name} has no verified watchdog and no supervisor guards this process: "
+            "run it with --realtime"
+        )
+    if not device.file.estop_confirmed:
+        raise ActivationRefused(
+            f"{device.name} has no watchdog: its device file needs 'estop: confirmed', written "
+            "by someone who has a switch that cuts the motors' power"
+        )

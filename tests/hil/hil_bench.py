@@ -1,0 +1,73 @@
+"""What several device tests share: a body that a test moves by hand, and devices on it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from hil.address import parse
+from hil.contract import State
+from hil.device_file import DeviceFile, default
+from hil.drivers.mock import MockDevice
+from hil.linkage import Linkage, Pair
+from hil.permission import Permission, emulated
+
+TICK = Fraction(1, 1024)
+QUANSER = Linkage(proximal=0.100, distal=0.165, base=0.085)
+REST = (0.0425, 0.2)
+REST_ANGLE = QUANSER.angles(REST)
+ALLOWED: Permission = emulated("mock", proved=True)
+
+
+class Puppet:
+    """A mechanism without dynamics: it is where the test puts it, and remembers its torques."""
+
+    def __init__(self, angle: Pair = REST_ANGLE) -> None:
+        self.place = angle
+        self.torques: list[Pair] = []
+
+    def angle(self) -> Pair:
+        return self.place
+
+    def step(self, torque: Pair) -> None:
+        self.torques.append(torque)
+
+    def put(self, tip: Pair) -> None:
+        angles = QUANSER.angles(tip)
+        assert angles is not None
+        self.place = angles
+
+
+def mock(
+    puppet: Puppet, *, output: bool = True, file: DeviceFile | None = None, **options
+) -> MockDevice:
+    """A mock device on a puppet; configured by the caller."""
+    device = MockDevice(
+        parse("mock://"),
+        file or default("mock"),
+        tick=TICK,
+        permission=ALLOWED if output else None,
+        **options,
+    )
+    device.body = puppet
+    return device
+
+
+def rested(device: MockDevice, ticks: int = 40) -> MockDevice:
+    """Configured, homed and seen at rest: ready to be activated."""
+    device.configure()
+    device.home()
+    for tick in range(-ticks, 0):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+    assert device.state is State.INACTIVE
+    return device
+
+
+def run(device, ticks, command=(0.0, 0.0), start=0):
+    """Exchange ``ticks`` times; the list of (measurement, sent)."""
+    exchanged = []
+    for tick in range(start, start + ticks):
+        measured = device.read(tick)
+        now = command(tick) if callable(command) else command
+        exchanged.append((measured, device.write(tick, now)))
+    return exchanged
