@@ -20,7 +20,14 @@ from pathlib import Path
 
 from fmus import model_names
 from fmus.archive import FLAVOURS, fmu_bytes, licence_files
-from fmus.compiler import PLATFORMS, BuildError, Platform, compile_library, host_platform
+from fmus.compiler import (
+    PLATFORMS,
+    BuildError,
+    Platform,
+    cache_directory,
+    compile_library,
+    host_platform,
+)
 from fmus.header import description_source, variables_header
 from fmus.table import Model
 
@@ -29,6 +36,10 @@ FOLDER = Path(__file__).resolve().parent
 
 BUILT = FOLDER / "_built"
 """Where what was built lies."""
+
+GENERATED = cache_directory() / "generated" / hashlib.sha256(str(FOLDER).encode()).hexdigest()[:12]
+"""Generated C: outside the checkout, where it would count as a changed source, and in one place for
+all models, because the compiler's cache looks at the include path too."""
 
 _SUPPORT = ("report.c", "number.c", "table_file.c", "platform.c")
 _GLUE = ("instance.c", "values.c", "snapshot.c", "fmi2.c", "fmi3.c")
@@ -40,6 +51,7 @@ _INCLUDE = (
     FOLDER / "libm",
     FOLDER / "libm" / "musl",
     FOLDER / "shared",
+    GENERATED,
 )
 
 
@@ -122,13 +134,15 @@ def build_fmus(
     token = f"{{{uuid.UUID(digest[:32])}}}"
     with tempfile.TemporaryDirectory(dir=output) as scratch_name:
         scratch = Path(scratch_name)
-        generated = _generate(model, scratch, token=token, digest=digest)
-        files = [*model_files(source), generated, *_glue_files(), *support_files()]
-        include = [*_INCLUDE, source.folder, scratch]
+        _generate(f"{model.name}_variables.h", variables_header(model))
+        description = _generate(
+            f"{model.name}_description.c", description_source(model, token=token, digest=digest)
+        )
+        files = [*model_files(source), description, *_glue_files(), *support_files()]
 
         def compile_for(platform: Platform) -> bytes:
             path = scratch / platform.name / f"{model.name}{platform.suffix}"
-            compile_library(platform, path, files, include=include)
+            compile_library(platform, path, files, include=_INCLUDE)
             return path.read_bytes()
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
@@ -167,19 +181,18 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
     source = Source(model, folder or FOLDER / model.name)
     header = variables_header(model)
     files = [*model_files(source), FOLDER / "fmi" / "development.c", *support_files()]
-    include = [*_INCLUDE, source.folder]
+    headers = [path for folder in (*_INCLUDE[:-1], source.folder) for path in folder.glob("*.h")]
     digest = hashlib.sha256(header.encode())
-    for path in [*files, *(h for place in include for h in sorted(place.glob("*.h")))]:
+    for path in [*files, *sorted(headers)]:
         digest.update(path.read_bytes())
     target = host_platform()
     place = BUILT / "development" / f"{model.name}-{digest.hexdigest()[:16]}{target.suffix}"
     if not place.exists():
         place.parent.mkdir(parents=True, exist_ok=True)
+        _generate(f"{model.name}_variables.h", header)
         with tempfile.TemporaryDirectory(dir=place.parent) as name:
-            scratch = Path(name)
-            (scratch / f"{model.name}_variables.h").write_text(header)
-            compile_library(target, scratch / place.name, files, include=[*include, scratch])
-            (scratch / place.name).replace(place)
+            compile_library(target, Path(name) / place.name, files, include=_INCLUDE)
+            (Path(name) / place.name).replace(place)
     return place
 
 
@@ -194,10 +207,14 @@ def _glue_files() -> list[Path]:
     return [FOLDER / "fmi" / name for name in _GLUE]
 
 
-def _generate(model: Model, folder: Path, *, token: str, digest: str) -> Path:
-    (folder / f"{model.name}_variables.h").write_text(variables_header(model))
-    path = folder / f"{model.name}_description.c"
-    path.write_text(description_source(model, token=token, digest=digest))
+def _generate(name: str, text: str) -> Path:
+    """Write a generated file, whole or not at all, unless it is there with the same text."""
+    path = GENERATED / name
+    if not path.is_file() or path.read_text() != text:
+        GENERATED.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=GENERATED, delete=False) as file:
+            file.write(text)
+        Path(file.name).replace(path)
     return path
 
 
@@ -208,7 +225,7 @@ def _is_complete(name: str, folder: Path) -> bool:
 @cache
 def _common_digest() -> bytes:
     """What all models share: the glue, the libm, the compiler flags and the generators."""
-    files = [path for folder in _INCLUDE[:-1] for path in folder.glob("*.h")]
+    files = [path for folder in _INCLUDE[:-2] for path in folder.glob("*.h")]
     files += [*_glue_files(), *support_files()]
     files += [FOLDER / f"{name}.py" for name in (*_GENERATORS, "layout", "units")]
     digest = hashlib.sha256()
