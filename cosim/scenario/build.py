@@ -22,6 +22,8 @@ from cosim.suggest import did_you_mean
 SECTIONS = ("components", "channels", "rates", "connections", "record", "expect")
 """Sections whose members are checked one by one, so that one bad member hides no other."""
 
+LISTS = ("connections", "record")
+
 PLACEHOLDERS: dict[str, Any] = {"cohaptic": 1, "duration": 1, "components": {}}
 """Stand in for required keys that are missing or wrong while the rest is checked."""
 
@@ -73,24 +75,52 @@ def build(root: Node, file: Path) -> Scenario:
 
 def _validate(root: Node, problems: Problems) -> tuple[Document, dict[str, list[int]]]:
     """The document without its bad members, which are reported, and the index of kept items."""
-    plain = root.plain()
-    try:
-        return Document.model_validate(plain), {}
-    except ValidationError as error:
-        paths = problems.add_validation(error.errors(include_url=False))
-    bad = {path[:2] if path and path[0] in SECTIONS else path[:1] for path in paths}
+    reported: set[tuple[PathKey, ...]] = set()
+    dropped: set[tuple[PathKey, ...]] = set()
+    while True:
+        plain, kept = _without(root.plain(), dropped)
+        try:
+            return Document.model_validate({**PLACEHOLDERS, **plain}), kept
+        except ValidationError as error:
+            before = len(dropped)
+            for finding in error.errors(include_url=False):
+                path = _as_written(finding["loc"], kept)
+                member = path[: 2 if path[0] in SECTIONS else 1]
+                is_extra = finding["type"] == "extra_forbidden"
+                if member not in reported:
+                    problems.add_validation({**finding, "loc": path})
+                dropped.add(path if is_extra else member)
+            assert len(dropped) > before, "each round drops what it found"
+            # What is left of a member may be wrong only because of what was dropped from it.
+            reported = {path[: 2 if path[0] in SECTIONS else 1] for path in dropped}
+
+
+def _as_written(loc: tuple[PathKey, ...], kept: dict[str, list[int]]) -> tuple[PathKey, ...]:
+    """Pydantic's path with the index that an item had before bad ones were left out."""
+    if len(loc) > 1 and isinstance(loc[1], int) and loc[0] in kept:
+        return (loc[0], kept[str(loc[0])][loc[1]], *loc[2:])
+    return loc
+
+
+def _without(
+    plain: dict[str, Any], dropped: set[tuple[PathKey, ...]]
+) -> tuple[dict[str, Any], dict[str, list[int]]]:
+    """The plain document without the dropped nodes, and the index of each item that is left."""
+    for path in dropped:
+        inner: Any = plain
+        for key in path[:-1]:  # union tags are in the path, but not in the document
+            if isinstance(inner, list) or (isinstance(inner, dict) and key in inner):
+                inner = cast("Any", inner)[key]
+        if isinstance(inner, dict):
+            cast("dict[PathKey, Any]", inner).pop(path[-1], None)
     kept: dict[str, list[int]] = {}
-    for key, value in list(plain.items()):
-        if (key,) in bad or key not in Document.model_fields:
-            del plain[key]
-        elif isinstance(value, list):
-            items = cast("list[Any]", value)
-            kept[key] = [i for i in range(len(items)) if (key, i) not in bad]
-            plain[key] = [items[i] for i in kept[key]]
-        elif isinstance(value, dict):
-            inner = cast("dict[str, Any]", value)
-            plain[key] = {name: part for name, part in inner.items() if (key, name) not in bad}
-    return Document.model_validate({**PLACEHOLDERS, **plain}), kept
+    for key in LISTS:
+        items = plain.get(key)
+        if isinstance(items, list):
+            given = cast("list[Any]", items)
+            kept[key] = [i for i in range(len(given)) if (key, i) not in dropped]
+            plain[key] = [given[i] for i in kept[key]]
+    return plain, kept
 
 
 def _timebase(context: Context) -> Timebase:

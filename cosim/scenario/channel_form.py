@@ -36,12 +36,6 @@ def mapping_tag(value: Any) -> str:
     return "mapping" if isinstance(value, dict) else "plain"
 
 
-Either = Annotated[
-    Annotated[T, Tag("each")] | Annotated[Both[T], Tag("both")], Discriminator(_direction_tag)
-]
-"""One value that holds for each direction, or one for each by name."""
-
-
 def _jitter_tag(value: Any) -> str:
     if not isinstance(value, dict):
         return "plain"
@@ -104,6 +98,29 @@ Trace = Annotated[
 ]
 
 
+class BothJitter(Both[Jitter]):
+    """Jitter by direction."""
+
+
+class BothLoss(Both[Loss]):
+    """Loss by direction."""
+
+
+class BothLate(Both[Late]):
+    """Reorder or duplication by direction."""
+
+
+class BothTrace(Both[Trace]):
+    """A trace by direction."""
+
+
+_BY = Discriminator(_direction_tag)
+JitterEntry = Annotated[Annotated[Jitter, Tag("each")] | Annotated[BothJitter, Tag("both")], _BY]
+LossEntry = Annotated[Annotated[Loss, Tag("each")] | Annotated[BothLoss, Tag("both")], _BY]
+LateEntry = Annotated[Annotated[Late, Tag("each")] | Annotated[BothLate, Tag("both")], _BY]
+TraceEntry = Annotated[Annotated[Trace, Tag("each")] | Annotated[BothTrace, Tag("both")], _BY]
+
+
 class DelayBoth(Form):
     """The delay of each direction."""
 
@@ -124,15 +141,13 @@ class ChannelForm(Form):
         default=None, description="n there and back: forward gets the larger half."
     )
     each_way_delay: Delay | None = Field(default=None, description="n there and n back.")
-    jitter: Either[Jitter] | None = Field(
+    jitter: JitterEntry | None = Field(
         default=None, description="Extra delay, uniform from 0 to this."
     )
-    loss: Either[Loss] | None = Field(default=None, description="Probability of loss, or bursts.")
-    reorder: Either[Late] | None = Field(
-        default=None, description="Packets held back, two samples."
-    )
-    duplication: Either[Late] | None = Field(default=None, description="Packets that come twice.")
-    trace: Either[Trace] | None = Field(
+    loss: LossEntry | None = Field(default=None, description="Probability of loss, or bursts.")
+    reorder: LateEntry | None = Field(default=None, description="Packets held back, two samples.")
+    duplication: LateEntry | None = Field(default=None, description="Packets that come twice.")
+    trace: TraceEntry | None = Field(
         default=None,
         description="Recorded delays, in place of delay, jitter and loss: a list, or a file with "
         "a delay in seconds or `lost` in each line.",

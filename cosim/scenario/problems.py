@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from cosim.errors import InputError, InputErrors, Location
@@ -42,11 +42,8 @@ class Problems:
         if self._errors:
             raise InputErrors(self._errors)
 
-    def add_validation(self, errors: Iterable[Any]) -> list[tuple[PathKey, ...]]:
-        """Report pydantic's findings; returns the path of each in the document."""
-        return [self._add_one(error) for error in errors]
-
-    def _add_one(self, error: Mapping[str, Any]) -> tuple[PathKey, ...]:
+    def add_validation(self, error: Mapping[str, Any]) -> None:
+        """Report one of pydantic's findings."""
         path, node = self._document_path(error["loc"])
         where = _dotted(path)
         kind, context = error["type"], error.get("ctx", {})
@@ -64,7 +61,6 @@ class Problems:
         else:
             sentence = _sentence(kind, error["input"], context) or f"{error['msg']}."
             self.add_at(node.place, f"{where}: {sentence}")
-        return path
 
     def _document_path(self, loc: tuple[PathKey, ...]) -> tuple[tuple[PathKey, ...], Node]:
         """The part of pydantic's path that is in the document: union tags are not."""

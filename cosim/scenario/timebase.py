@@ -68,9 +68,9 @@ def choose_base_rate(rates: dict[str, Fraction]) -> tuple[Timebase, dict[str, st
             continue
         near = _nearest(rates[fastest], rates[name])
         refused[name] = (
-            f"{name} does not fit: with {fastest} the base tick would be {finer / rates[fastest]} "
-            f"to a period (at most {FINEST}). The nearest rate that fits is {hertz(near)}; or "
-            f"write 'base_rate: {hertz(finer)}' to have the finer tick."
+            f"{name} does not fit: with it, one period of {fastest} would be "
+            f"{finer / rates[fastest]} base ticks (at most {FINEST}). The nearest rate that fits "
+            f"is {hertz(near)}; or write 'base_rate: {hertz(finer)}' to have the finer tick."
         )
     return Timebase(base), refused
 

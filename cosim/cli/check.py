@@ -1,0 +1,119 @@
+"""``cohaptic check``: read a scenario, load its FMUs, and report every problem in one go."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cosim.errors import InputError, InputErrors
+
+if TYPE_CHECKING:
+    from cosim.scenario import Scenario
+
+
+@click.command("check")
+@click.argument("scenario", required=False)
+@click.option("--with", "overlays", multiple=True, metavar="FILE", help="An overlay over it.")
+@click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="One value over it.")
+@click.option("--resolved", is_flag=True, help="Print the scenario with every default in it.")
+@click.option("--schema", is_flag=True, help="Print the JSON schema of scenario files.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def command(
+    *,
+    scenario: str | None,
+    overlays: tuple[str, ...],
+    sets: tuple[str, ...],
+    resolved: bool,
+    schema: bool,
+    as_json: bool,
+) -> None:
+    """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
+    if schema:
+        from cosim.scenario.document import json_schema
+
+        click.echo(json.dumps(json_schema(), indent=2))
+        return
+    if scenario is None:
+        raise click.UsageError("name a scenario: a file, or a bundled one such as two_users_box.")
+    try:
+        loaded, report = _check(scenario, overlays, sets)
+    except InputError as error:
+        if as_json:
+            click.echo(json.dumps({"ok": False, "problems": _problems(error)}, indent=2))
+        raise
+    if resolved:
+        click.echo(loaded.resolved(), nl=False)
+    elif as_json:
+        click.echo(json.dumps({"ok": True, **report}, indent=2))
+    else:
+        click.echo(_text(report))
+
+
+def _check(
+    scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
+) -> tuple[Scenario, dict[str, Any]]:
+    """The loaded scenario and what there is to say about it."""
+    from cosim.scenario import load
+    from cosim.scenario.describe import describe
+
+    loaded = load(scenario, overlays, sets)
+    return loaded, describe(loaded)
+
+
+def _problems(error: InputError) -> list[dict[str, Any]]:
+    found = error.errors if isinstance(error, InputErrors) else [error]
+    return [
+        {
+            "message": item.message,
+            "file": item.location.file if item.location else None,
+            "line": item.location.line if item.location else None,
+            "column": item.location.column if item.location else None,
+        }
+        for item in found
+    ]
+
+
+def _text(report: dict[str, Any]) -> str:
+    time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
+    lines = [report["title"] or report["name"], f"{time}, seed {report['seed']}"]
+    rates = [[f"{n}", f"{r['rate']:g} Hz", _ticks(r["period"])] for n, r in report["rates"].items()]
+    components = [
+        [name, f"{part['kind']} {part['source']}", part["station"], _ticks(part["period"])]
+        for name, part in report["components"].items()
+    ]
+    channels = [
+        [name, f"{source} -> {target}", f"{channel['rate']:g} Hz", _direction(channel[way])]
+        for name, channel in report["channels"].items()
+        for way, (source, target) in (
+            ("forward", channel["between"]),
+            ("backward", channel["between"][::-1]),
+        )
+    ]
+    for title, rows in (("Rates", rates), ("Components", components), ("Channels", channels)):
+        lines += ["", title, *_table(rows)] if rows else []
+    return "\n".join(lines)
+
+
+def _direction(way: dict[str, Any]) -> str:
+    samples = way["delay"]["samples"]
+    delay = _ticks(way["delay"]["ticks"])
+    written = f" ({samples} sample{'s' if samples > 1 else ''})" if samples else ""
+    parts = [f"delay {delay}{written}"]
+    if way["trace"] is not None:
+        parts = [f"trace of {way['trace']} packets"]
+    parts += [f"jitter up to {_ticks(way['jitter'])}"] if way["jitter"] else []
+    for fate in ("loss", "reorder", "duplication"):
+        parts += [f"{fate} {way[fate]:.3g}"] if way[fate] else []
+    return ", ".join(parts)
+
+
+def _ticks(count: int) -> str:
+    return "1 tick" if count == 1 else f"{count} ticks"
+
+
+def _table(rows: list[list[str]]) -> list[str]:
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    cells = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in rows)
+    return ["  " + "  ".join(row).rstrip() for row in cells]
