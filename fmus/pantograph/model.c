@@ -34,7 +34,7 @@ static void set_up_drive(Drive *drive, const DeviceDynamics *device)
 static void set_up_mechanism(Mechanism *m, const DeviceGeometry *geometry,
                              const DeviceDynamics *device, const Variables *v)
 {
-    m->bar = (FiveBar){geometry->proximal_length, geometry->distal_length, geometry->base_distance};
+    m->bar = five_bar(geometry->proximal_length, geometry->distal_length, geometry->base_distance);
     m->joint_inertia =
         device->proximal_inertia + device->gear_ratio * device->gear_ratio * device->rotor_inertia;
     m->distal_mass = device->distal_mass;
@@ -176,6 +176,8 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
         target[i] = drive_target_current(drive, due_torque(v, s, i));
         away[i] = drive->bandwidth > 0.0 ? s->current[i] - target[i] : 0.0;
     }
+    Rotation joint[2];
+    mechanism_joints(&motion, joint);
     for (int64_t n = 0; n < v->substeps; n++) {
         double start[2], middle[2];
         for (int i = 0; i < 2; i++) {
@@ -183,11 +185,11 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
             middle[i] = drive->torque_per_ampere * (target[i] + away[i] * half);
             away[i] *= half * half;
         }
-        if (!mechanism_step(&s->mechanism, &motion, start, middle, force, step))
+        if (!mechanism_step(&s->mechanism, &motion, joint, start, middle, force, step))
             return singular(&motion, r, t);
     }
     FiveBarPose pose;
-    five_bar_pose(&s->mechanism.bar, motion.angle, &pose);
+    five_bar_pose_at(&s->mechanism.bar, joint, &pose);
     if (!(pose.valid && five_bar_condition(pose.jacobian) <= v->condition_limit))
         return singular(&motion, r, t);
     s->motion = motion;

@@ -2,11 +2,22 @@
 
 #include "cohaptic_math.h"
 
+FiveBar five_bar(double proximal, double distal, double base)
+{
+    return (FiveBar){proximal, distal, base, 1.0 / distal};
+}
+
 void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
 {
-    *pose = (FiveBarPose){0};
+    const Rotation joint[2] = {{cos(angle[0]), sin(angle[0])}, {cos(angle[1]), sin(angle[1])}};
+    five_bar_pose_at(bar, joint, pose);
+}
+
+void five_bar_pose_at(const FiveBar *bar, const Rotation joint[2], FiveBarPose *pose)
+{
+    pose->valid = false;
     for (int i = 0; i < 2; i++) {
-        const double c = bar->proximal * cos(angle[i]), s = bar->proximal * sin(angle[i]);
+        const double c = bar->proximal * joint[i].cosine, s = bar->proximal * joint[i].sine;
         pose->elbow[i] = (Vector){(i ? bar->base : 0.0) + c, s};
         pose->tangent[i] = (Vector){-s, c};
     }
@@ -20,10 +31,9 @@ void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose)
         {-0.5 * across.x - ratio * across.y, -0.5 * across.y + ratio * across.x},
     };
     pose->tip = plus(pose->elbow[0], reach[0]);
-    const double inverse = 1.0 / bar->distal;
     double drive[2];
     for (int i = 0; i < 2; i++) {
-        pose->distal[i] = times(inverse, reach[i]);
+        pose->distal[i] = times(bar->inverse_distal, reach[i]);
         drive[i] = dot(pose->distal[i], pose->tangent[i]);
     }
     const Vector u = pose->distal[0], v = pose->distal[1];
@@ -69,7 +79,7 @@ Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,
         const Vector w = pose->tangent[i], u = pose->distal[i];
         const Vector relative = minus(tip_velocity, times(rate[i], w));
         const double inward = -rate[i] * rate[i];
-        right[i] = inward * cross(u, w) - dot(relative, relative) / bar->distal;
+        right[i] = inward * cross(u, w) - dot(relative, relative) * bar->inverse_distal;
     }
     const Vector u = pose->distal[0], v = pose->distal[1];
     const double scale = 1.0 / pose->cross;

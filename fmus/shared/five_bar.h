@@ -13,6 +13,7 @@
 
 typedef struct {
     double proximal, distal, base; /* l, L, d in m */
+    double inverse_distal;
 } FiveBar;
 
 typedef struct {
@@ -25,8 +26,13 @@ typedef struct {
     bool valid;         /* false where the mechanism cannot close or J does not exist */
 } FiveBarPose;
 
-/* Pose at joint angles (rad). An impossible or NaN angle gives valid = false and zeros. */
+FiveBar five_bar(double proximal, double distal, double base);
+
+/* Pose at joint angles (rad). An impossible or NaN angle gives valid = false and nothing else. */
 void five_bar_pose(const FiveBar *bar, const double angle[2], FiveBarPose *pose);
+
+/* The same from the joint angles' cosines and sines. */
+void five_bar_pose_at(const FiveBar *bar, const Rotation joint[2], FiveBarPose *pose);
 
 /* Joint angles (rad) that reach a tip position (m); false where it is out of reach. */
 bool five_bar_angles(const FiveBar *bar, Vector tip, double angle[2]);

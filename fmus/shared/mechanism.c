@@ -17,7 +17,7 @@ typedef struct {
 static LinkMass link_mass(const Mechanism *m)
 {
     const double centre = 0.25 * m->distal_mass;
-    const double spin = m->distal_inertia / (m->bar.distal * m->bar.distal);
+    const double spin = m->distal_inertia * m->bar.inverse_distal * m->bar.inverse_distal;
     return (LinkMass){centre + spin, centre - spin};
 }
 
@@ -61,11 +61,12 @@ static double stop_torque(const Mechanism *m, int i, double angle, double rate)
 }
 
 /* Joint acceleration of everything smooth; also hands out M for the friction impulse. */
-static bool acceleration(const Mechanism *m, const double angle[2], const double rate[2],
-                         const double torque[2], Vector force, double result[2], Symmetric *mass)
+static bool acceleration(const Mechanism *m, const double angle[2], const Rotation joint[2],
+                         const double rate[2], const double torque[2], Vector force,
+                         double result[2], Symmetric *mass)
 {
     FiveBarPose pose;
-    five_bar_pose(&m->bar, angle, &pose);
+    five_bar_pose_at(&m->bar, joint, &pose);
     if (!pose.valid) return false;
     double c[2], net[2];
     bias_torque(m, &pose, rate, c);
@@ -123,19 +124,41 @@ double mechanism_energy(const Mechanism *m, const FiveBarPose *pose, const doubl
            + mass.b * rate[0] * rate[1];
 }
 
-bool mechanism_step(const Mechanism *m, MechanismState *s, const double start[2],
-                    const double middle[2], Vector force, double h)
+/* The rotation turned on by an angle. Sub-steps turn the joints by hundredths of a radian at most,
+ * where the series to the ninth power is exact to the last bit but one, and cheaper than sin and cos. */
+static Rotation turned(Rotation r, double angle)
+{
+    const double q = angle * angle;
+    if (!(q < 1e-2)) return (Rotation){r.cosine * cos(angle) - r.sine * sin(angle),
+                                            r.sine * cos(angle) + r.cosine * sin(angle)};
+    const double c = 1.0 - q * (1.0 / 2 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320))));
+    const double s =
+        angle * (1.0 - q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880)))));
+    return (Rotation){r.cosine * c - r.sine * s, r.sine * c + r.cosine * s};
+}
+
+void mechanism_joints(const MechanismState *state, Rotation joint[2])
+{
+    for (int i = 0; i < 2; i++) joint[i] = (Rotation){cos(state->angle[i]), sin(state->angle[i])};
+}
+
+bool mechanism_step(const Mechanism *m, MechanismState *s, Rotation joint[2],
+                    const double start[2], const double middle[2], Vector force, double h)
 {
     double slope[2], angle[2], rate[2];
+    Rotation half_way[2];
     Symmetric mass;
-    if (!acceleration(m, s->angle, s->rate, start, force, slope, &mass)) return false;
+    if (!acceleration(m, s->angle, joint, s->rate, start, force, slope, &mass)) return false;
     for (int i = 0; i < 2; i++) {
-        angle[i] = s->angle[i] + 0.5 * h * s->rate[i];
+        const double turn = 0.5 * h * s->rate[i];
+        angle[i] = s->angle[i] + turn;
+        half_way[i] = turned(joint[i], turn);
         rate[i] = s->rate[i] + 0.5 * h * slope[i];
     }
-    if (!acceleration(m, angle, rate, middle, force, slope, &mass)) return false;
+    if (!acceleration(m, angle, half_way, rate, middle, force, slope, &mass)) return false;
     for (int i = 0; i < 2; i++) {
         s->angle[i] += h * rate[i];
+        joint[i] = turned(joint[i], h * rate[i]);
         s->rate[i] += h * slope[i];
     }
     if (m->coulomb > 0.0) friction_impulse(&mass, h * m->coulomb, s->rate);

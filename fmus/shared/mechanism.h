@@ -27,11 +27,14 @@ typedef struct {
 /* Kinetic energy, J. */
 double mechanism_energy(const Mechanism *mechanism, const FiveBarPose *pose, const double rate[2]);
 
+/* Cosines and sines of the joint angles, which mechanism_step carries from sub-step to sub-step. */
+void mechanism_joints(const MechanismState *state, Rotation joint[2]);
+
 /* One sub-step of h seconds: the explicit midpoint rule (order 2) for everything smooth, with the
  * joint torques given at the start and at the middle of the sub-step and a tip force (N, device
  * frame) held over it, then Coulomb friction as an implicit impulse (order 1, never adds energy and
  * does not chatter). False where the mechanism left its assembly. */
-bool mechanism_step(const Mechanism *mechanism, MechanismState *state, const double start[2],
-                    const double middle[2], Vector force, double h);
+bool mechanism_step(const Mechanism *mechanism, MechanismState *state, Rotation joint[2],
+                    const double start[2], const double middle[2], Vector force, double h);
 
 #endif

@@ -40,7 +40,8 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
         if (!(v->finger[f].max_force > 0.0))
             return report_format(r, "finger_%d.max_force must be positive.", f + 1);
         station->finger[f] = (Finger){
-            .bar = {geometry.proximal_length, geometry.distal_length, geometry.base_distance},
+            .bar = five_bar(geometry.proximal_length, geometry.distal_length,
+                            geometry.base_distance),
             .place = placement(v->finger[f].base_x, v->finger[f].base_y, v->finger[f].base_angle),
             .quantum = geometry.encoder_counts > 0 ? 2.0 * M_PI / (double)geometry.encoder_counts : 0.0,
             .max_force = v->finger[f].max_force,
