@@ -156,11 +156,16 @@ bool mechanism_step(const Mechanism *m, MechanismState *s, Rotation joint[2],
         rate[i] = s->rate[i] + 0.5 * h * slope[i];
     }
     if (!acceleration(m, angle, half_way, rate, middle, force, slope, &mass)) return false;
+    const double smooth[2] = {s->rate[0] + h * slope[0], s->rate[1] + h * slope[1]};
+    double after[2] = {smooth[0], smooth[1]};
+    if (m->coulomb > 0.0) friction_impulse(&mass, h * m->coulomb, after);
     for (int i = 0; i < 2; i++) {
-        s->angle[i] += h * rate[i];
-        joint[i] = turned(joint[i], h * rate[i]);
-        s->rate[i] += h * slope[i];
+        /* Friction acts all through the sub-step; a joint that it holds does not creep. */
+        const bool held = s->rate[i] == 0.0 && after[i] == 0.0;
+        const double turn = held ? 0.0 : h * (rate[i] + 0.5 * (after[i] - smooth[i]));
+        s->angle[i] += turn;
+        joint[i] = turned(joint[i], turn);
+        s->rate[i] = after[i];
     }
-    if (m->coulomb > 0.0) friction_impulse(&mass, h * m->coulomb, s->rate);
     return true;
 }

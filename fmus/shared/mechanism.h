@@ -32,8 +32,8 @@ void mechanism_joints(const MechanismState *state, Rotation joint[2]);
 
 /* One sub-step of h seconds: the explicit midpoint rule (order 2) for everything smooth, with the
  * joint torques given at the start and at the middle of the sub-step and a tip force (N, device
- * frame) held over it, then Coulomb friction as an implicit impulse (order 1, never adds energy and
- * does not chatter). False where the mechanism left its assembly. */
+ * frame) held over it, and Coulomb friction as an implicit impulse (it takes energy only, holds
+ * exactly and does not chatter). False where the mechanism left its assembly. */
 bool mechanism_step(const Mechanism *mechanism, MechanismState *state, Rotation joint[2],
                     const double start[2], const double middle[2], Vector force, double h);
 
