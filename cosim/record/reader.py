@@ -72,7 +72,7 @@ class Group:
     @property
     def time(self) -> NDArray[np.float64]:
         """Time of every row (s), shape (rows,): the tick over the base rate, rounded once."""
-        return self.ticks * float(self.run.base_rate.denominator) / self.run.base_rate.numerator
+        return self.run.seconds(self.ticks)
 
     def cells(self, column: int, start: int, stop: int) -> NDArray[np.int64]:
         """Raw cells of column ``column`` - 1, or of the ticks where ``column`` is 0."""
@@ -183,6 +183,11 @@ class Run:
 
     def __contains__(self, name: object) -> bool:
         return name in self.signals
+
+    def seconds(self, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Times (s) of base ticks: one division by the base rate, so rounded once."""
+        rate = self.base_rate
+        return np.divide(ticks * rate.denominator, rate.numerator, dtype=np.float64)
 
     @property
     def ticks(self) -> int:

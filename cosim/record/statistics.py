@@ -46,14 +46,16 @@ class ColumnStatistics:
     of squared deviations, which does not cancel as the sum of squares does.
     """
 
-    def __init__(self, is_float: NDArray[np.bool_], capacity: int) -> None:
-        """``is_float`` has shape (columns,); ``capacity`` rows are spread over the envelope."""
+    def __init__(
+        self, is_float: NDArray[np.bool_], capacity: int, bins: int = ENVELOPE_BINS
+    ) -> None:
+        """``is_float`` has shape (columns,); ``capacity`` rows are spread over at most ``bins``."""
         columns = is_float.size
         # Inside, floats come first and integers after them, so that each kind converts in one go.
         self._order = np.argsort(~is_float, kind="stable")
         self._floats = int(np.count_nonzero(is_float))
         self._place = np.argsort(self._order)
-        self.rows_per_bin = max(1, -(-capacity // ENVELOPE_BINS))
+        self.rows_per_bin = max(1, -(-capacity // bins))
         bins = max(1, -(-capacity // self.rows_per_bin))
         self._lows = np.full((columns, bins), np.nan)
         self._highs = np.full((columns, bins), np.nan)

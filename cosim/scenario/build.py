@@ -13,6 +13,7 @@ from cosim.scenario.build_component import build_component
 from cosim.scenario.build_connection import build_connection, check_signal
 from cosim.scenario.context import Context
 from cosim.scenario.document import Document
+from cosim.scenario.expectation import components_in
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
 from cosim.scenario.problems import Problems
 from cosim.scenario.source import Node, PathKey
@@ -48,7 +49,8 @@ def build(root: Node, file: Path) -> Scenario:
     connections = _connections(context, components, channels)
     record = _record(context)
     for signal in document.expect:
-        check_signal(context, ("expect", signal), signal.partition(".")[0])
+        for component in components_in(signal):
+            check_signal(context, ("expect", signal), component)
     problems.raise_if_any()
     return Scenario(
         cohaptic=document.cohaptic,

@@ -11,6 +11,7 @@ Mappings merge member by member, ``~`` removes, everything else replaces. Four p
 from __future__ import annotations
 
 from cosim.errors import InputError
+from cosim.scenario.expectation import components_in
 from cosim.scenario.notation import as_mapping
 from cosim.scenario.source import Node, PathKey
 from cosim.suggest import did_you_mean
@@ -186,7 +187,9 @@ def _without_traces_of_removed(root: Node) -> Node:
             members[key] = Node(kept, node.place, node.key_place)
     expect = members.get("expect")
     if expect is not None and isinstance(expect.value, dict):
-        kept_signals = {k: v for k, v in expect.value.items() if k.partition(".")[0] not in gone}
+        kept_signals = {
+            key: node for key, node in expect.value.items() if gone.isdisjoint(components_in(key))
+        }
         members["expect"] = Node(kept_signals, expect.place, expect.key_place)
     return Node(members, root.place, root.key_place)
 

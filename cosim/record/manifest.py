@@ -1,0 +1,116 @@
+"""manifest.json: what ran, with which versions, where, and how it ended.
+
+It is written when the run starts, with ``exit`` null, and replaced in one step when it ends; a run
+whose ``exit`` is still null was killed, or goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from cosim.record.reader import MANIFEST_FILE
+from cosim.scenario import Scenario
+
+MANIFEST_VERSION = 1
+PACKAGES = ("cohaptic", "numpy", "h5py", "fmpy")
+
+
+def describe(scenario: Scenario, components: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The manifest of a run that starts now.
+
+    ``components`` says for each what it was computed by: kind, source, and for an FMU its version,
+    FMI version and SHA-256.
+    """
+    return {
+        "manifest": MANIFEST_VERSION,
+        "scenario": {
+            "name": scenario.name,
+            "title": scenario.title,
+            "file": str(scenario.file),
+            "seed": scenario.seed,
+            "base_rate": str(scenario.base_rate),
+            "duration": float(scenario.duration),
+            "ticks": scenario.ticks,
+        },
+        "components": components,
+        "versions": {"python": platform.python_version()} | _versions(),
+        "platform": {
+            "system": platform.platform(),
+            "machine": platform.machine(),
+            "cpus": os.cpu_count(),
+        },
+        "git": _checkout(),
+        "command": sys.argv,
+        "process": os.getpid(),
+        "started": _now(),
+        "ended": None,
+        "exit": None,
+        "timing": None,
+        "channels": None,
+        "deadlines": None,
+    }
+
+
+def conclude(manifest: dict[str, Any], *, status: int, message: str, ticks: int) -> None:
+    """Add how the run ended: the exit status it stands for, why, and the ticks it reached."""
+    manifest["ended"] = _now()
+    manifest["exit"] = {"status": status, "message": message, "ticks": ticks}
+
+
+def write_manifest(folder: Path, manifest: Mapping[str, Any]) -> None:
+    """Write or replace the folder's manifest in one step."""
+    write_json(folder / MANIFEST_FILE, manifest)
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file so that a reader sees the old one or the new one, never a part."""
+    scratch = path.with_suffix(".new")
+    scratch.write_text(json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    scratch.replace(path)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _versions() -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _checkout() -> dict[str, Any] | None:
+    """Commit of the source checkout that runs and whether it has changes; none if installed."""
+    root = Path(__file__).parents[2]
+    if not (root / ".git").exists():
+        return None
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", "-C", str(root), *arguments],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=5,
+        ).stdout.strip()
+
+    try:
+        return {
+            "commit": git("rev-parse", "HEAD"),
+            "changed": bool(git("status", "--porcelain", "--untracked-files=no")),
+        }
+    except (OSError, subprocess.SubprocessError):
+        return None

@@ -1,0 +1,1 @@
+"""What a run says: measures, expectations, the summary and the overview figure."""

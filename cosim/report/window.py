@@ -1,0 +1,96 @@
+"""Measures of one target over a window of time: extremes, moments, counts, amplitude.
+
+To have a new measure, add a function of a :class:`Window` to ``MEASURES``; every comparison of
+``cosim.report.expectation`` then works with it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.record.reader import Run
+from cosim.record.statistics import ColumnStatistics, Statistics
+from cosim.report.target import Target, blocks
+
+ANY_LENGTH = 1 << 62
+"""More rows than any window has: one pair of extremes for all of them."""
+
+
+class Window:
+    """One target over a window of time, taken piece by piece."""
+
+    def __init__(self, frequency: float | None = None) -> None:
+        """``frequency`` (rad/s) is that of the sine whose amplitude is asked for."""
+        self.frequency = frequency
+        self.first = math.nan
+        self.last = math.nan
+        self.losses = 0
+        """How often the value fell from anything to zero."""
+        self._statistics = ColumnStatistics(np.array([True]), ANY_LENGTH, bins=1)
+        self._normal = np.zeros((3, 3))
+        self._right = np.zeros(3)
+
+    def update(self, time: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Take the next rows: time (s) and values, both of shape (rows,)."""
+        if not values.size:
+            return
+        if self.rows == 0:
+            self.first = self.last = float(values[0])
+        held = np.concatenate(([self.last], values)) != 0
+        self.losses += int(np.count_nonzero(held[:-1] & ~held[1:]))
+        self.last = float(values[-1])
+        self._statistics.update(np.ascontiguousarray(values).view(np.int64)[None])
+        if self.frequency is not None:
+            angle = self.frequency * time
+            basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
+            self._normal += basis @ basis.T
+            self._right += basis @ values
+
+    @property
+    def rows(self) -> int:
+        """Rows taken so far."""
+        return self._statistics.rows
+
+    @property
+    def statistics(self) -> Statistics:
+        """Extremes, mean and the like."""
+        return self._statistics[0]
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the least-squares fit of c + a·cos(ωt) + b·sin(ωt); NaN without ω."""
+        if self.frequency is None:
+            return math.nan
+        _, cosine, sine = np.linalg.lstsq(self._normal, self._right, rcond=None)[0]
+        return float(np.hypot(cosine, sine))
+
+
+MEASURES: dict[str, Callable[[Window], float]] = {
+    "min": lambda window: window.statistics.minimum,
+    "max": lambda window: window.statistics.maximum,
+    "max_abs": lambda window: max(abs(window.statistics.minimum), abs(window.statistics.maximum)),
+    "peak_to_peak": lambda window: window.statistics.maximum - window.statistics.minimum,
+    "mean": lambda window: window.statistics.mean,
+    "rms": lambda window: window.statistics.rms,
+    "std": lambda window: window.statistics.std,
+    "initial": lambda window: window.first,
+    "final": lambda window: window.last,
+    "change": lambda window: window.last - window.first,
+    "amplitude": lambda window: window.amplitude,
+    "change_count": lambda window: window.statistics.changes,
+    "loss_count": lambda window: window.losses,
+}
+
+
+def measure(
+    run: Run, target: Target, first: int, last: int, frequency: float | None = None
+) -> Window:
+    """Take a target over ticks ``first`` <= tick < ``last``, piece by piece."""
+    window = Window(frequency)
+    for ticks, values in blocks(run, target, first, last):
+        window.update(run.seconds(ticks), values.astype(np.float64, copy=False))
+    return window
