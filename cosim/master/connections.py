@@ -220,13 +220,10 @@ class _Known(InputError):
         super().__init__(component)
 
 
-def wire(
-    scenario: Scenario, interfaces: Mapping[str, Interface], problems: Problems
-) -> tuple[Wiring, _Wirer]:
+def wire(scenario: Scenario, interfaces: Mapping[str, Interface], problems: Problems) -> Wiring:
     """Resolve and check every connection; what is wrong goes to ``problems`` with its place."""
     problems.ignore(_Known)
-    wirer = _Wirer(scenario, interfaces, problems)
-    return wirer.run(), wirer
+    return _Wirer(scenario, interfaces, problems).run()
 
 
 def _match(

@@ -10,9 +10,10 @@ from typing import Any
 
 from cosim.component import Causality, VariableType
 from cosim.errors import CohapticError, InputError, RunError
-from cosim.master.clock import Clock, format_rate
+from cosim.master.clock import Clock
 from cosim.master.fmu_description import FmuDescription
 from cosim.master.native import LogStruct, function_address, library
+from cosim.scenario.timebase import hertz
 
 LOG_BYTES = 8192
 STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
@@ -27,8 +28,10 @@ _NAMES_2 = {
 
 
 class Fmu:
-    """One instance of a co-simulation FMU of FMI 2.0 or 3.0; a context manager is not needed,
-    ``close`` is safe at any time and more than once."""
+    """One instance of a co-simulation FMU of FMI 2.0 or 3.0.
+
+    ``close`` is safe at any time and more than once.
+    """
 
     def __init__(self, component: str, description: FmuDescription, *, substeps: int) -> None:
         self.component = component
@@ -53,7 +56,9 @@ class Fmu:
     def accessor(self, kind: VariableType, *, is_set: bool) -> int:
         """Address of the set or get function of a type."""
         verb = "Set" if is_set else "Get"
-        return function_address(getattr(self._fmu.dll, f"fmi{self.version}{verb}{self._name(kind)}"))
+        return function_address(
+            getattr(self._fmu.dll, f"fmi{self.version}{verb}{self._name(kind)}")
+        )
 
     def reference(self, variable: str) -> int:
         """The value reference of a variable."""
@@ -141,9 +146,9 @@ class Fmu:
         }
         if not structural:
             return
-        self._call("enter configuration mode", lambda: self._fmu.enterConfigurationMode())
+        self._call("enter configuration mode", self._fmu.enterConfigurationMode)
         self.set_values(structural)
-        self._call("leave configuration mode", lambda: self._fmu.exitConfigurationMode())
+        self._call("leave configuration mode", self._fmu.exitConfigurationMode)
 
     def enter_initialisation(self, stop_time: float) -> None:
         """Set up the experiment and enter initialisation mode at time 0."""
@@ -203,7 +208,9 @@ class Fmu:
         fmpy: Any = importlib.import_module("fmpy")
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(function_address(library().kernel_log_fmi2))
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(function_address(fmpy.calloc))
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(
+            function_address(fmpy.calloc)
+        )
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(function_address(fmpy.free))
         callbacks.componentEnvironment = environment
         return callbacks
@@ -276,7 +283,7 @@ def choose_substeps(description: FmuDescription, clock: Clock, period: int, aske
     if ratio.denominator == 1:
         return ratio.numerator
     nearest = sorted({max(1, int(ratio)), int(ratio) + 1})
-    rates = " or ".join(f"{format_rate(1 / (count * fixed))} Hz" for count in nearest)
+    rates = " or ".join(hertz(1 / (count * fixed)) for count in nearest)
     raise InputError(
         f"the FMU {description.path.name} can only step by {float(fixed):g} s, which does not "
         f"divide its period of {float(whole):g} s; give it a rate of {rates}, or say 'substeps'"
@@ -290,5 +297,3 @@ def _error_categories(categories: Iterable[str]) -> list[str]:
 
 def _show(elements: list[Any]) -> str:
     return repr(elements[0]) if len(elements) == 1 else repr(elements)
-
-

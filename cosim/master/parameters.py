@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -43,7 +44,9 @@ def resolve_values(
     )
     if not parts:
         known = [v.name.split("[")[0] for v in variables.values() if v.causality in allowed]
-        raise InputError(f"{component} has no {_kind(allowed)} '{name}'.{did_you_mean(name, known)}")
+        raise InputError(
+            f"{component} has no {_kind(allowed)} '{name}'.{did_you_mean(name, known)}"
+        )
     for part in parts:
         _check_causality(component, part, allowed)
     values = _flat(value) if isinstance(value, Sequence) and not isinstance(value, str) else None
@@ -69,13 +72,12 @@ def element_start(variable: Variable) -> list[Any]:
     return [start] * count
 
 
-def _check_causality(
-    component: str, variable: Variable, allowed: frozenset[Causality]
-) -> None:
+def _check_causality(component: str, variable: Variable, allowed: frozenset[Causality]) -> None:
     if variable.causality not in allowed:
         raise InputError(
             f"{component}.{variable.name} is of causality '{variable.causality}', not a "
-            f"{_kind(allowed)}" + (
+            f"{_kind(allowed)}"
+            + (
                 "; give an input's first value under 'start'"
                 if variable.causality is Causality.INPUT
                 else ""
@@ -157,7 +159,7 @@ def _item(where: str, variable: Variable, value: Any) -> int:
 
 def _check_bounds(where: str, variable: Variable, value: float) -> None:
     unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
-    if value != value:
+    if math.isnan(value):
         raise InputError(f"{where} is not a number")
     if variable.minimum is not None and value < variable.minimum:
         raise InputError(

@@ -72,6 +72,14 @@ class Plan:
     first: list[Action] = field(default_factory=list[Action])
     every: list[Action] = field(default_factory=list[Action])
 
+    def without_recording(self) -> Plan:
+        """The same plan for a run that nobody records."""
+        first, every = (
+            [action for action in actions if action.act is not Act.RECORD]
+            for actions in (self.first, self.every)
+        )
+        return Plan(self.initial, first, every)
+
 
 @dataclass(frozen=True, slots=True)
 class Planner:

@@ -124,6 +124,15 @@ class Program:
         self.records: Any = (RecordStruct * max(len(columns), 1))()
         self._write_programs(plan)
 
+    def stopped_at(self) -> Action:
+        """The action at which the kernel came back."""
+        return self.actions[int(self.kernel.operation)]
+
+    def warnings(self) -> dict[str, int]:
+        """The warnings that FMUs have returned, by component."""
+        counts = {name: self.instances[number].warnings for name, number in self._numbers.items()}
+        return {name: count for name, count in counts.items() if count}
+
     def _write_programs(self, plan: Plan) -> None:
         periods = [action.period for action in plan.every] or [1]
         hyperperiod = self.clock.hyperperiod(periods)
