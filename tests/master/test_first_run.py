@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
-from tests.master.support import run, scenario_of
+from master_support import run, scenario_of
 
 HAND = """
     duration: 0.5
