@@ -101,7 +101,7 @@ def source_digest(source: Source) -> str:
     """A SHA-256 of everything that the model's FMUs are made of."""
     own = [*model_files(source), *source.folder.glob("*.h"), source.folder / "variables.py"]
     if any(path.parent == FOLDER / "shared" for path in own):
-        own += (FOLDER / "shared").glob("*.h")
+        own += [*(FOLDER / "shared").glob("*.h"), *(FOLDER / "shared").glob("*.py")]
     digest = hashlib.sha256(_common_digest())
     digest.update(variables_header(source.model).encode())
     for path in sorted(own):

@@ -89,7 +89,7 @@ def _add_variable(variables: ET.Element, element: Element) -> None:
         scalar,
         _TAG[variable.type],
         declaredType=variable.enumeration.name if variable.enumeration else None,
-        unit=variable.unit,
+        unit=variable.unit or None,
         min=description.limit_text(element, variable.minimum) if limited else None,
         max=description.limit_text(element, variable.maximum) if limited else None,
         start=description.start_text(element),

@@ -128,7 +128,7 @@ def _add_variable(parent: ET.Element, name: str, elements: list[Element], size: 
         variability="fixed" if fixed else "continuous" if variable.type == "real" else "discrete",
         initial="calculated" if variable.causality not in {"parameter", "input"} else None,
         declaredType=variable.enumeration.name if variable.enumeration else None,
-        unit=variable.unit,
+        unit=variable.unit or None,
         min=description.limit_text(first, variable.minimum) if limited else None,
         max=description.limit_text(first, variable.maximum) if limited else None,
         start=" ".join(starts) if starts and variable.type != "string" else None,

@@ -154,6 +154,6 @@ def _problems(variable: Variable) -> Iterator[str]:
     if (variable.type == "enumeration") != (variable.enumeration is not None):
         yield "must have an enumeration exactly if it is of that type"
     if variable.type == "real" and variable.unit is None:
-        yield "needs a unit ('1' for a pure number)"
+        yield "needs a unit ('1' for a pure number, '' for any)"
     if variable.depends_on and variable.causality == "input":
         yield "is an input and depends on nothing"

@@ -49,7 +49,8 @@ class Variable:
     ``initial_depends_on`` names inputs that it depends on in initialisation mode only (an estimator
     that is primed).
     ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
-    numbers. A parameter is ``fixed``; ``start`` is a scalar (for every element) or a tuple.
+    numbers, empty for what takes the unit of whatever it is connected to. A parameter is ``fixed``;
+    ``start`` is a scalar (for every element) or a tuple.
     """
 
     name: str

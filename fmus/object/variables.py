@@ -1,0 +1,76 @@
+"""The object on one axis: a mass under several held forces, a wall and a compensating force."""
+
+from __future__ import annotations
+
+from fmus.table import Model, Variable
+
+MODEL = Model(
+    name="object",
+    description="Object on one axis: a mass driven by held forces, discretised exactly",
+    sources=("model.c",),
+    variables=(
+        Variable(
+            name="force",
+            description="Forces on the object, which are added up",
+            causality="input",
+            unit="N",
+            start=0.0,
+            size=4,
+        ),
+        Variable(name="position", description="Position", causality="output", unit="m"),
+        Variable(name="velocity", description="Velocity", causality="output", unit="m/s"),
+        Variable(
+            name="mass",
+            description="Mass",
+            causality="parameter",
+            unit="kg",
+            start=0.4,
+            minimum=0.0,
+        ),
+        Variable(
+            name="compensation",
+            description="Damping b_c of the force -b_c v, sampled from the object's own velocity "
+            "and held over a step; a negative one compensates damping that the network adds",
+            causality="parameter",
+            unit="N.s/m",
+            start=0.0,
+        ),
+        Variable(
+            name="wall_stiffness",
+            description="Stiffness of a wall that the object stays in contact with; 0: no wall",
+            causality="parameter",
+            unit="N/m",
+            start=0.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="wall_damping",
+            description="Damping of that wall",
+            causality="parameter",
+            unit="N.s/m",
+            start=0.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="wall_position",
+            description="Position of the object at which the wall exerts no force",
+            causality="parameter",
+            unit="m",
+            start=0.0,
+        ),
+        Variable(
+            name="initial_position",
+            description="Position at the start",
+            causality="parameter",
+            unit="m",
+            start=0.0,
+        ),
+        Variable(
+            name="initial_velocity",
+            description="Velocity at the start",
+            causality="parameter",
+            unit="m/s",
+            start=0.0,
+        ),
+    ),
+)

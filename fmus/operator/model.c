@@ -1,0 +1,121 @@
+/* The emulated user: F = F_cmd + k (x_ref - x) + b (dx_ref/dt - dx/dt), per axis. */
+#include "operator_variables.h"
+#include "waveform.h"
+
+enum { AXES = 2, VIA_POINTS = 16, CAPACITY = 16384, COLUMNS = 3 };
+
+struct State {
+    double time;
+    size_t count;
+    double rows[CAPACITY * COLUMNS];
+};
+
+const size_t model_state_size = sizeof(State);
+
+const char *model_initialise(Variables *v, State *s, Report *r)
+{
+    s->time = report_start_time(r);
+    if (v->trajectory == OPERATOR_TRAJECTORY_MINIMUM_JERK) {
+        if (v->via_count == 0)
+            return "trajectory is 'minimum_jerk', but via_count is 0; give via points.";
+        double before = v->trajectory_start_time;
+        for (int64_t i = 0; i < v->via_count; before = v->via_time[i++])
+            if (!(v->via_time[i] > before))
+                return report_format(r, "via_time[%d] is %g s, not after %g s; times must rise, "
+                                        "from trajectory_start_time on.",
+                                     (int)i + 1, v->via_time[i], before);
+    }
+    if (v->trajectory != OPERATOR_TRAJECTORY_RECORDED)
+        return NULL;
+    if (v->trajectory_file[0] == '\0')
+        return "trajectory is 'recorded', but trajectory_file is empty; give the path of a file.";
+    return read_samples(r, v->trajectory_file, COLUMNS, CAPACITY, s->rows, &s->count);
+}
+
+/* The sum over segments; each has run to its end before the next one begins. */
+static Signal via_signal(const Variables *v, double t, const double *points, double start)
+{
+    Signal sum = {start, 0.0};
+    double before = v->trajectory_start_time, from = start;
+    for (int64_t i = 0; i < v->via_count && t >= before; ++i) {
+        const Signal part = minimum_jerk_signal(t, before, v->via_time[i] - before);
+        const bool reached = part.value >= 1.0;
+        sum.value = reached ? points[i] : from + (points[i] - from) * part.value;
+        sum.rate = (points[i] - from) * part.rate;
+        before = v->via_time[i];
+        from = points[i];
+    }
+    return sum;
+}
+
+static Signal reference(const Variables *v, const State *s, int axis)
+{
+    const double start = v->initial_position[axis];
+    Signal signal = {start, 0.0};
+    switch (v->trajectory) {
+    case OPERATOR_TRAJECTORY_SINE:
+        signal = sine_signal(s->time, (Window){v->trajectory_start_time, 0.0},
+                             v->sine_frequency[axis], v->sine_phase[axis]);
+        signal.value = start + v->sine_amplitude[axis] * signal.value;
+        signal.rate *= v->sine_amplitude[axis];
+        break;
+    case OPERATOR_TRAJECTORY_MINIMUM_JERK:
+        signal = via_signal(v, s->time, axis == 0 ? v->via_x : v->via_y, start);
+        break;
+    case OPERATOR_TRAJECTORY_RECORDED:
+        signal = sampled_signal(s->rows, s->count, COLUMNS, (size_t)axis + 1,
+                                s->time - v->trajectory_start_time, true);
+        break;
+    }
+    return signal;
+}
+
+static double command(const Variables *v, const State *s, int axis)
+{
+    const Window window = {v->force_start_time[axis], v->force_duration[axis]};
+    Signal signal = {0.0, 0.0};
+    switch (v->force_mode[axis]) {
+    case OPERATOR_FORCE_MODE_CONSTANT:
+        signal.value = 1.0;
+        break;
+    case OPERATOR_FORCE_MODE_STEP:
+        signal = step_signal(s->time, window);
+        break;
+    case OPERATOR_FORCE_MODE_SINE:
+        signal = sine_signal(s->time, window, v->force_frequency[axis], v->force_phase[axis]);
+        break;
+    }
+    signal.value *= v->force_amplitude[axis];
+    return v->force_rectify[axis] ? half_wave(signal).value : signal.value;
+}
+
+void model_outputs(Variables *v, const State *s)
+{
+    double stiffness = v->stiffness, damping = v->damping;
+    switch (v->impedance) {
+    case OPERATOR_IMPEDANCE_RELAXED:
+        stiffness = 100.0, damping = 3.0;
+        break;
+    case OPERATOR_IMPEDANCE_NORMAL:
+        stiffness = 300.0, damping = 8.0;
+        break;
+    case OPERATOR_IMPEDANCE_STIFF:
+        stiffness = 800.0, damping = 15.0;
+        break;
+    }
+    for (int axis = 0; axis < AXES; ++axis) {
+        const Signal wanted = reference(v, s, axis);
+        v->reference_position[axis] = wanted.value;
+        v->reference_velocity[axis] = wanted.rate;
+        v->force_command[axis] = command(v, s, axis);
+        v->force[axis] = v->force_command[axis] +
+                         stiffness * (wanted.value - v->position[axis]) +
+                         damping * (wanted.rate - v->velocity[axis]);
+    }
+}
+
+const char *model_step(Variables *v, State *s, double t, double h, Report *r)
+{
+    s->time = t + h;
+    return NULL;
+}

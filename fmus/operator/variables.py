@@ -1,0 +1,169 @@
+"""The operator: an emulated user's finger, planar, pulled along a trajectory by hand impedance."""
+
+from __future__ import annotations
+
+from fmus.table import Causality, Enumeration, Item, Model, Variable
+
+VIA_POINTS = 16
+
+IMPEDANCE = Enumeration(
+    name="operator_impedance",
+    description="How stiffly the user holds on to the reference",
+    items=(
+        Item(name="custom", value=0, description="stiffness and damping as given; 0: force only"),
+        Item(name="relaxed", value=1, description="100 N/m, 3 N.s/m"),
+        Item(name="normal", value=2, description="300 N/m, 8 N.s/m"),
+        Item(name="stiff", value=3, description="800 N/m, 15 N.s/m"),
+    ),
+)
+
+TRAJECTORY = Enumeration(
+    name="operator_trajectory",
+    description="How the reference moves",
+    items=(
+        Item(name="hold", value=0, description="Stays at initial_position"),
+        Item(name="sine", value=1, description="A sine on each axis around initial_position"),
+        Item(name="minimum_jerk", value=2, description="Minimum jerk from via point to via point"),
+        Item(name="recorded", value=3, description="Samples from a file"),
+    ),
+)
+
+FORCE_MODE = Enumeration(
+    name="operator_force_mode",
+    description="What force the user wants to exert on one axis",
+    items=(
+        Item(name="none", value=0, description="No force"),
+        Item(name="constant", value=1, description="The amplitude, always"),
+        Item(name="step", value=2, description="The amplitude from force_start_time on"),
+        Item(name="sine", value=3, description="amplitude sin(frequency t + phase)"),
+    ),
+)
+
+
+def _pair(name: str, description: str, unit: str, causality: Causality = "parameter") -> Variable:
+    settable = causality in {"parameter", "input"}
+    return Variable(
+        name=name,
+        description=description,
+        causality=causality,
+        unit=unit,
+        size=2,
+        start=0.0 if settable else None,
+    )
+
+
+def _number(name: str, description: str, unit: str, start: float = 0.0) -> Variable:
+    return Variable(
+        name=name, description=description, causality="parameter", unit=unit, start=start
+    )
+
+
+def _via(name: str, description: str, unit: str) -> Variable:
+    return Variable(
+        name=name,
+        description=description,
+        causality="parameter",
+        unit=unit,
+        size=VIA_POINTS,
+        start=0.0,
+    )
+
+
+MODEL = Model(
+    name="operator",
+    description="Emulated user: force, and a hand impedance along a planar trajectory",
+    sources=("model.c", "waveform.c"),
+    variables=(
+        _pair("position", "Position of the finger, world frame", "m", "input"),
+        _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),
+        Variable(
+            name="force",
+            description="Force of the user on the finger, world frame",
+            causality="output",
+            unit="N",
+            size=2,
+            depends_on=("position", "velocity"),
+        ),
+        _pair("reference_position", "Where the user wants the finger to be", "m", "output"),
+        _pair("reference_velocity", "How fast the user wants it to move", "m/s", "output"),
+        _pair("force_command", "Force that the user wants to exert", "N", "output"),
+        Variable(
+            name="impedance",
+            description="How stiffly the user holds on to the reference",
+            causality="parameter",
+            type="enumeration",
+            enumeration=IMPEDANCE,
+            start=2,
+        ),
+        Variable(
+            name="stiffness",
+            description="Stiffness of the hand where impedance is custom",
+            causality="parameter",
+            unit="N/m",
+            start=0.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="damping",
+            description="Damping of the hand where impedance is custom",
+            causality="parameter",
+            unit="N.s/m",
+            start=0.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="trajectory",
+            description="How the reference moves",
+            causality="parameter",
+            type="enumeration",
+            enumeration=TRAJECTORY,
+            start=0,
+        ),
+        _pair("initial_position", "Where the reference starts, world frame", "m"),
+        _number("trajectory_start_time", "When the reference begins to move", "s"),
+        _pair("sine_amplitude", "Amplitude of the reference on each axis", "m"),
+        _pair("sine_frequency", "Its angular frequency", "rad/s"),
+        _pair("sine_phase", "Its phase at trajectory_start_time", "rad"),
+        Variable(
+            name="via_count",
+            description="Number of via points of a minimum jerk trajectory",
+            causality="parameter",
+            type="integer",
+            start=0,
+            minimum=0,
+            maximum=VIA_POINTS,
+        ),
+        _via("via_time", "When each via point is reached", "s"),
+        _via("via_x", "Where it is, x", "m"),
+        _via("via_y", "Where it is, y", "m"),
+        Variable(
+            name="trajectory_file",
+            description="Text file with a time (s), x and y (m) in each line",
+            causality="parameter",
+            type="string",
+            start="",
+        ),
+        Variable(
+            name="force_mode",
+            description="What force the user wants to exert on each axis",
+            causality="parameter",
+            type="enumeration",
+            enumeration=FORCE_MODE,
+            size=2,
+            start=0,
+        ),
+        _pair("force_amplitude", "Its size", "N"),
+        _pair("force_frequency", "Angular frequency of a sine", "rad/s"),
+        _pair("force_phase", "Phase of a sine at its start", "rad"),
+        _pair("force_start_time", "When a step or sine begins", "s"),
+        _pair("force_duration", "How long it lasts; 0: without end", "s"),
+        Variable(
+            name="force_rectify",
+            description="Whether the user only pushes: negative forces become zero",
+            causality="parameter",
+            type="boolean",
+            size=2,
+            start=False,
+        ),
+    ),
+)

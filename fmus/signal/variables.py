@@ -1,0 +1,76 @@
+"""A signal over time: constant, step, sine, minimum jerk or a table from a file."""
+
+from __future__ import annotations
+
+from fmus.table import Enumeration, Item, Model, Variable
+
+MODE = Enumeration(
+    name="signal_mode",
+    description="What the signal does over time",
+    items=(
+        Item(name="constant", value=0, description="offset + amplitude, always"),
+        Item(name="step", value=1, description="offset, and amplitude from start_time on"),
+        Item(name="sine", value=2, description="offset + amplitude sin(frequency t + phase)"),
+        Item(name="minimum_jerk", value=3, description="from offset to offset + amplitude, smooth"),
+        Item(name="table", value=4, description="offset + amplitude times a table's values"),
+    ),
+)
+
+
+def _number(name: str, description: str, unit: str, start: float) -> Variable:
+    return Variable(
+        name=name, description=description, causality="parameter", unit=unit, start=start
+    )
+
+
+MODEL = Model(
+    name="signal",
+    description="A signal over time: constant, step, sine, minimum jerk, table",
+    sources=("model.c", "waveform.c"),
+    variables=(
+        Variable(name="value", description="The signal", causality="output", unit=""),
+        Variable(name="rate", description="Its time derivative", causality="output", unit=""),
+        Variable(
+            name="mode",
+            description="What the signal does over time",
+            causality="parameter",
+            type="enumeration",
+            enumeration=MODE,
+            start=0,
+        ),
+        _number("amplitude", "What the mode's shape is multiplied by", "", 1.0),
+        _number("offset", "What is added", "", 0.0),
+        _number("frequency", "Angular frequency of the sine", "rad/s", 1.0),
+        _number("phase", "Phase of the sine at start_time", "rad", 0.0),
+        _number("start_time", "When step, sine, minimum jerk or table begin", "s", 0.0),
+        Variable(
+            name="duration",
+            description="How long step and sine last (0: without end), or the minimum jerk takes",
+            causality="parameter",
+            unit="s",
+            start=0.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="rectify",
+            description="Whether negative values of amplitude times shape become zero",
+            causality="parameter",
+            type="boolean",
+            start=False,
+        ),
+        Variable(
+            name="interpolate",
+            description="Whether a table's values are joined by lines, or held",
+            causality="parameter",
+            type="boolean",
+            start=True,
+        ),
+        Variable(
+            name="table_file",
+            description="Text file with a time (s) and a value in each line",
+            causality="parameter",
+            type="string",
+            start="",
+        ),
+    ),
+)

@@ -1,0 +1,63 @@
+"""The virtual coupler on one axis: a spring and a damper between two bodies."""
+
+from __future__ import annotations
+
+from fmus.table import Model, Variable
+
+
+def _input(name: str, description: str, unit: str) -> Variable:
+    return Variable(name=name, description=description, causality="input", unit=unit, start=0.0)
+
+
+_ALL = ("position_*", "velocity_*")
+
+MODEL = Model(
+    name="virtual_coupler",
+    description="Virtual coupler: spring and damper between two bodies on one axis",
+    sources=("model.c",),
+    variables=(
+        _input("position_a", "Position of body a", "m"),
+        _input("velocity_a", "Velocity of body a", "m/s"),
+        _input("position_b", "Position of body b", "m"),
+        _input("velocity_b", "Velocity of body b", "m/s"),
+        Variable(
+            name="force",
+            description="Force on body b",
+            causality="output",
+            unit="N",
+            depends_on=_ALL,
+        ),
+        Variable(
+            name="reaction",
+            description="Force on body a, the opposite one",
+            causality="output",
+            unit="N",
+            depends_on=_ALL,
+        ),
+        Variable(
+            name="stiffness",
+            description="Stiffness k",
+            causality="parameter",
+            unit="N/m",
+            start=1000.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="damping",
+            description="Damping b",
+            causality="parameter",
+            unit="N.s/m",
+            start=10.0,
+            minimum=0.0,
+        ),
+        Variable(
+            name="computation_delay_ticks",
+            description="Steps by which the force comes later than what it is computed from",
+            causality="parameter",
+            type="integer",
+            start=0,
+            minimum=0,
+            maximum=8,
+        ),
+    ),
+)
