@@ -1,0 +1,118 @@
+"""The peer's clock against the own one, from the four timestamps that every packet carries.
+
+Offset and skew come from a regression on the lowest round trips (after Mills, RFC 5905, and the
+minimum filters used for one-way measurement). It assumes that the fastest packets take as long
+there as back: half of any asymmetry is an error that no such exchange can see.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGEST_SKEW = 1.0e-3
+
+
+class ClockEstimate:
+    """Offset (peer - own, ns) and skew of a peer's clock; times are integer nanoseconds."""
+
+    def __init__(
+        self, *, capacity: int = 2560, fraction: float = 0.1, window: float = 20.0
+    ) -> None:
+        self._times: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
+        self._offsets: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
+        self._trips: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
+        self._fraction = fraction
+        self._window = int(window * 1e9)
+        self._count = 0
+        self._anchor_time = 0
+        self._anchor_offset = 0.0
+        self.skew = 0.0
+        """Seconds that the peer's clock gains on the own one in a second."""
+        self.round_trip = 0
+        """Lowest round trip in the window (ns), time at the peer taken out."""
+        self.last_round_trip = 0
+        self.ready = False
+        """Whether an estimate exists."""
+
+    @property
+    def samples(self) -> int:
+        """Exchanges added so far."""
+        return self._count
+
+    def add(self, sent: int, peer_received: int, peer_sent: int, received: int) -> None:
+        """Add one exchange: own, peer's, peer's, own clock; nonsense is ignored."""
+        trip = (received - sent) - (peer_sent - peer_received)
+        if not 0 <= trip < 10_000_000_000:
+            return
+        slot = self._count % len(self._times)
+        self._times[slot] = received
+        # Halving the sum last keeps the half nanosecond's error out of the difference.
+        self._offsets[slot] = ((peer_received - sent) + (peer_sent - received)) // 2
+        self._trips[slot] = trip
+        self.last_round_trip = trip
+        self._count += 1
+
+    def update(self, now: int) -> None:
+        """Fit offset and skew to the exchanges of the window; cheap enough for once a second."""
+        size = min(self._count, len(self._times))
+        recent = self._times[:size] > now - self._window
+        kept = int(np.count_nonzero(recent))
+        if kept == 0:
+            return
+        times = self._times[:size][recent]
+        offsets = self._offsets[:size][recent]
+        trips = self._trips[:size][recent]
+        rank = max(0, int(np.ceil(kept * self._fraction)) - 1)
+        threshold = int(np.partition(trips, rank)[rank])
+        fast = trips <= threshold
+        anchor = int(times[fast][0])
+        base = int(offsets[fast][0])
+        seconds = (times[fast] - anchor).astype(np.float64) * 1e-9
+        residual = (offsets[fast] - base).astype(np.float64)
+        middle = float(seconds.mean())
+        spread = seconds - middle
+        variance = float(spread @ spread)
+        skew = 0.0
+        # Two seconds and eight packets before a slope means more than noise.
+        if len(seconds) >= 8 and float(np.ptp(seconds)) >= 2.0:
+            skew = float(spread @ residual) / variance * 1e-9
+        self.skew = min(max(skew, -LARGEST_SKEW), LARGEST_SKEW)
+        self._anchor_time = anchor + int(middle * 1e9)
+        self._anchor_offset = base + float(residual.mean())
+        self.round_trip = int(trips.min())
+        self.ready = True
+
+    def offset(self, now: int) -> int:
+        """Peer clock minus own clock at own time ``now`` (ns)."""
+        return round(self._anchor_offset + self.skew * (now - self._anchor_time))
+
+    def forget(self) -> None:
+        """Start again: a restarted peer has another clock."""
+        self._count = 0
+        self.ready = False
+        self.skew = 0.0
+
+
+class PhaseFollower:
+    """Slews a tick period so that the own grid keeps its phase on the leader's; never a step."""
+
+    def __init__(self, *, limit: float = 200e-6, gain: float = 0.2) -> None:
+        self.limit = limit
+        """Largest relative change of the period."""
+        self.gain = gain
+        """Relative change per second of phase error (1/s)."""
+        self.correction = 0.0
+        """Relative change of the period now; 0 on a leader."""
+        self.saturated = 0
+        """Updates at which the limit did not suffice."""
+
+    def update(self, phase: float, skew: float) -> float:
+        """New correction from the phase (s; positive: own ticks come late) and the clock's skew.
+
+        The skew is fed forward, so a constant drift leaves no phase error behind.
+        """
+        wanted = -skew - self.gain * phase
+        self.correction = min(max(wanted, -self.limit), self.limit)
+        self.saturated += self.correction != wanted
+        return self.correction

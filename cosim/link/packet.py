@@ -1,0 +1,166 @@
+"""The bytes of a packet, and its seal; ``docs/protocol.md`` describes both for other programs.
+
+A datagram is a header in the clear, a sealed body and a tag. The header is authenticated with the
+body (AES-256-GCM, NIST SP 800-38D); kind, stream and sequence make the nonce, so none repeats
+under a key as long as a sequence never restarts.
+"""
+
+from __future__ import annotations
+
+import struct
+from enum import IntEnum
+
+import numpy as np
+from cryptography.exceptions import InvalidTag
+from cryptography.hazmat.primitives.ciphers.aead import AESGCM
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+MAGIC = b"cH"
+VERSION = 1
+HEADER = struct.Struct("<2sBBHHQQ")
+"""magic, version, kind, stream, zero, session, sequence."""
+BODY = struct.Struct("<qqqqqqII")
+"""tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, zero."""
+NONCE = struct.Struct("<BBHQ")
+"""kind, zero, stream, sequence."""
+TAG_SIZE = 16
+SPARE = 8
+"""float64 elements kept at the end of a data body for energy and wave variables; zero for now."""
+LARGEST_DATAGRAM = 1232
+BODY_START = HEADER.size
+VALUES_START = HEADER.size + BODY.size
+
+
+class Kind(IntEnum):
+    """What a datagram is; the upper half never reaches a loop's values."""
+
+    DATA = 1
+    HELLO = 16
+    REPLY = 17
+    CONFIRM = 18
+    ACKNOWLEDGE = 19
+    REFUSE = 20
+    SYNC = 21
+    PROBE = 32
+    ECHO = 33
+
+
+class Flag(IntEnum):
+    """Bits of a data packet's flags."""
+
+    STOPPING = 1
+    INITIAL = 2
+
+
+def datagram_size(elements: int) -> int:
+    """Bytes of a data packet with that many float64 elements."""
+    return VALUES_START + 8 * (elements + SPARE) + TAG_SIZE
+
+
+class Sealer:
+    """Seals datagrams of one session and direction with strictly increasing sequences.
+
+    Every kind and stream counts its own sequence from 0. A sealer is never copied or restarted:
+    that would repeat nonces under one key.
+    """
+
+    def __init__(self, key: bytes, session: int) -> None:
+        self._cipher = AESGCM(key)
+        self._session = session
+        self._next: dict[int, int] = {}
+        self._nonce = bytearray(NONCE.size)
+
+    def seal(self, kind: Kind, stream: int, plain: memoryview, datagram: memoryview) -> int:
+        """Write header, sealed ``plain`` and tag into ``datagram``; return the sequence used."""
+        slot = (kind << 16) | stream
+        sequence = self._next.get(slot, 0)
+        self._next[slot] = sequence + 1
+        HEADER.pack_into(datagram, 0, MAGIC, VERSION, kind, stream, 0, self._session, sequence)
+        NONCE.pack_into(self._nonce, 0, kind, 0, stream, sequence)
+        self._cipher.encrypt_into(
+            self._nonce, plain, datagram[: HEADER.size], datagram[HEADER.size :]
+        )
+        return sequence
+
+
+class Opener:
+    """Opens what the peer's :class:`Sealer` sealed; stateless, so a forgery changes nothing."""
+
+    def __init__(self, key: bytes, session: int) -> None:
+        self._cipher = AESGCM(key)
+        self.session = session
+        self._nonce = bytearray(NONCE.size)
+
+    def open(self, datagram: memoryview, plain: memoryview) -> bool:
+        """Decrypt into ``plain`` (``len(datagram)`` - 40 bytes); ``False`` for a forgery."""
+        _, _, kind, stream, _, _, sequence = HEADER.unpack_from(datagram)
+        NONCE.pack_into(self._nonce, 0, kind, 0, stream, sequence)
+        try:
+            self._cipher.decrypt_into(
+                self._nonce, datagram[HEADER.size :], datagram[: HEADER.size], plain
+            )
+        except InvalidTag:
+            return False
+        return True
+
+
+class DataWriter:
+    """Writes the data packets of one stream; ``values`` is a view on the packet's elements."""
+
+    def __init__(self, sealer: Sealer | None, stream: int, elements: int) -> None:
+        size = datagram_size(elements)
+        plain = bytearray(size - HEADER.size - TAG_SIZE)
+        self._plain = memoryview(plain)
+        self.datagram = memoryview(bytearray(size))
+        """What to send after :meth:`seal`; overwritten by the next one."""
+        self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
+        """Shape (elements,): fill before :meth:`seal`."""
+        self._sealer = sealer
+        self._stream = stream
+
+    def renew(self, sealer: Sealer) -> None:
+        """Begin, or go on under a new session."""
+        self._sealer = sealer
+
+    def seal(
+        self,
+        tick: int,
+        sent: int,
+        *,
+        echo_sent: int = 0,
+        echo_received: int = 0,
+        epoch: int = 0,
+        acknowledged: int = -1,
+        flags: int = 0,
+    ) -> int:
+        """Complete the packet of ``tick`` (times in ns) and return its sequence.
+
+        Raises:
+            RuntimeError: there is no session yet.
+        """
+        if self._sealer is None:
+            message = "a packet cannot be sealed before the handshake"
+            raise RuntimeError(message)
+        BODY.pack_into(
+            self._plain, 0, tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, 0
+        )
+        return self._sealer.seal(Kind.DATA, self._stream, self._plain, self.datagram)
+
+
+class DataReader:
+    """Opens the data packets of one stream; ``values`` is a view on the last one opened."""
+
+    def __init__(self, opener: Opener, elements: int) -> None:
+        self.size = datagram_size(elements)
+        plain = bytearray(self.size - HEADER.size - TAG_SIZE)
+        self._plain = memoryview(plain)
+        self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
+        self.opener = opener
+
+    def open(self, datagram: memoryview) -> tuple[int, ...] | None:
+        """The eight members of :data:`BODY`, or ``None`` for a forgery."""
+        if not self.opener.open(datagram, self._plain):
+            return None
+        return BODY.unpack_from(self._plain)

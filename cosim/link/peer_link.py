@@ -1,0 +1,219 @@
+"""One peer as the loop sees it: drained once a tick, released, weighed, answered at its samples.
+
+The handshake is not in here: its datagrams are passed on to the process that does it, and new
+session keys come back from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from cosim.link.bundle import Bundle, FieldRole
+from cosim.link.clock import ClockEstimate
+from cosim.link.keys import SessionKeys
+from cosim.link.packet import HEADER, DataWriter, Flag, Kind, Opener, Sealer
+from cosim.link.peer import PeerWeight
+from cosim.link.receiver import Fate, Receiver, ReceiverSettings
+from cosim.link.settings import LinkSettings
+from cosim.link.transport import LARGEST_READ, Transport
+
+READS_PER_TICK = 32
+ACTIVE = 2
+FAULT = 4
+"""Bits of a status field (docs/protocol.md)."""
+
+
+@dataclass(slots=True)
+class Incoming:
+    """A stream that comes from the peer, with what is made of it at each tick."""
+
+    receiver: Receiver
+    weight: PeerWeight
+    age: int = 0
+    """Base ticks since the held values were measured: the packet's age and the source's own."""
+    valid: bool = False
+    fresh: bool = False
+    source_age: int = 0
+    active: bool = True
+    source_tick: float = -1.0
+    source_changed: int = 0
+    """Session tick of the packet in which the source's own tick last changed."""
+
+
+class PeerLink:
+    """Sends to and receives from one peer. Ticks are session ticks, times ns of the own clock."""
+
+    def __init__(
+        self,
+        *,
+        sends: Sequence[Bundle],
+        receives: Sequence[Bundle],
+        settings: Sequence[LinkSettings],
+        transport: Transport,
+        forward: Callable[[memoryview, int], None],
+    ) -> None:
+        self.transport = transport
+        self.clock = ClockEstimate()
+        self.settings = tuple(settings)
+        """One for each incoming stream."""
+        self.incoming = [
+            Incoming(
+                Receiver(
+                    bundle,
+                    ReceiverSettings(
+                        release=setting.release,
+                        delay=setting.delay,
+                        late_after=(setting.delay + setting.loss.hold_samples) * bundle.period,
+                    ),
+                ),
+                PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick),
+            )
+            for bundle, setting in zip(receives, settings, strict=True)
+        ]
+        self.outgoing = list(sends)
+        self.writers = [DataWriter(None, bundle.stream, bundle.size) for bundle in sends]
+        self.session: SessionKeys | None = None
+        self.peer_epoch = 0
+        """Where the peer's clock has session tick 0 on its present grid (ns); 0: not known yet."""
+        self.foreign = 0
+        """Datagrams of no known kind or stream."""
+        self.flood = 0
+        """Datagrams thrown away unread."""
+        self.sent = 0
+        self._forward = forward
+        self._buffer = memoryview(bytearray(LARGEST_READ))
+        self._echo = (0, 0)
+        # What the loop looks at every tick is looked up once.
+        self._roles = [
+            (
+                np.array(item.receiver.bundle.indices(FieldRole.SOURCE_AGE), dtype=np.intp),
+                np.array(item.receiver.bundle.indices(FieldRole.STATUS), dtype=np.intp),
+                item.receiver.bundle.indices(FieldRole.SOURCE_TICK),
+            )
+            for item in self.incoming
+        ]
+
+    def renew(self, keys: SessionKeys) -> None:
+        """Begin under a session, or go on under a new one."""
+        self.session = keys
+        sealer = Sealer(keys.outgoing, keys.session)
+        for writer in self.writers:
+            writer.renew(sealer)
+        for item in self.incoming:
+            item.receiver.renew(Opener(keys.incoming, keys.session))
+        self.clock.forget()
+        self.peer_epoch = 0
+        self._echo = (0, 0)
+
+    def allow(self, round_trip: int) -> None:
+        """Set from which age a packet is too old, from the lowest round trip (ns).
+
+        What a packet needs on this link is not late; what was kept back on the way for longer than
+        the hold time is.
+        """
+        for item, setting in zip(self.incoming, self.settings, strict=True):
+            bundle = item.receiver.bundle
+            one_way = Fraction(round_trip, 2_000_000_000) / (bundle.tick * bundle.period)
+            samples = max(setting.delay, 1 + one_way.__ceil__()) + setting.loss.hold_samples
+            item.receiver.allow(late_after=samples * bundle.period)
+
+    def drain(self, tick: int) -> None:
+        """Read what has arrived: at most 32 datagrams, the rest thrown away and counted."""
+        buffer = self._buffer
+        for _ in range(READS_PER_TICK):
+            size = self.transport.receive(buffer)
+            if size < 0:
+                return
+            self._take(buffer[:size], tick)
+        self.flood += self.transport.discard()
+
+    def _take(self, datagram: memoryview, tick: int) -> None:
+        size = len(datagram)
+        kind = datagram[3] if size >= HEADER.size else 0
+        if kind == Kind.DATA:
+            stream = datagram[4] | datagram[5] << 8
+            if stream < len(self.incoming):
+                receiver = self.incoming[stream].receiver
+                if receiver.accept(datagram, tick) is Fate.ACCEPTED:
+                    self._learn(receiver)
+                return
+        elif Kind.HELLO <= kind <= Kind.SYNC:
+            self._forward(datagram, self.transport.arrival())
+            return
+        elif size < HEADER.size and self.incoming:
+            self.incoming[0].receiver.counts[Fate.TRUNCATED] += 1
+            return
+        self.foreign += 1
+
+    def _learn(self, receiver: Receiver) -> None:
+        """Take what an accepted packet says about the peer's clock and grid."""
+        arrived = self.transport.arrival()
+        sent, echo_sent, echo_received = receiver.last_times
+        self._echo = (sent, arrived)
+        if receiver.peer_epoch:
+            self.peer_epoch = receiver.peer_epoch
+        if echo_sent:
+            self.clock.add(echo_sent, echo_received, sent, arrived)
+
+    def release(self, tick: int) -> None:
+        """Show what is due at this tick and weigh the peer."""
+        for number, item in enumerate(self.incoming):
+            receiver = item.receiver
+            item.fresh = receiver.release(tick)
+            if item.fresh:
+                self._inspect(number, item)
+            age = tick - receiver.tick if receiver.tick >= 0 else tick
+            item.age = max(0, age) + item.source_age
+            active = item.active and not receiver.stopping and self.session is not None
+            item.weight.update(fresh=item.fresh, source_age=item.source_age, active=active)
+            item.valid = active and item.weight.weight > 0.0
+
+    def _inspect(self, number: int, item: Incoming) -> None:
+        """Of newly released values, find the source's age and whether it is active."""
+        values = item.receiver.values
+        ages, statuses, ticks = self._roles[number]
+        age = int(values[ages].max()) if len(ages) else 0
+        for index in ticks:
+            # A source that stands still is as old as its last change, whatever it says itself.
+            if values[index] != item.source_tick:
+                item.source_tick = float(values[index])
+                item.source_changed = item.receiver.tick
+            age = max(age, item.receiver.tick - item.source_changed)
+        item.source_age = age
+        status = values[statuses].astype(np.int64)
+        item.active = bool(np.all((status & (ACTIVE | FAULT)) == ACTIVE))
+
+    def send(self, tick: int, now: int, epoch: int, *, flags: int = 0) -> None:
+        """Send every bundle whose sample is due at ``tick``; fill ``writers[i].values`` before."""
+        if self.session is None:
+            return
+        for bundle, writer in zip(self.outgoing, self.writers, strict=True):
+            if tick % bundle.period == 0:
+                self._seal(bundle, writer, (tick, now), epoch=epoch, flags=flags)
+                self.sent += self.transport.send(writer.datagram)
+
+    def stop(self, tick: int, now: int, epoch: int) -> None:
+        """Tell the peer that this side stops: three copies, because one may be lost."""
+        if self.session is None:
+            return
+        for _ in range(3):
+            for bundle, writer in zip(self.outgoing, self.writers, strict=True):
+                self._seal(bundle, writer, (tick, now), epoch=epoch, flags=Flag.STOPPING)
+                self.sent += self.transport.send(writer.datagram)
+
+    def _seal(
+        self, bundle: Bundle, writer: DataWriter, at: tuple[int, int], *, epoch: int, flags: int
+    ) -> None:
+        known = bundle.stream < len(self.incoming)
+        writer.seal(
+            *at,
+            echo_sent=self._echo[0],
+            echo_received=self._echo[1],
+            epoch=epoch,
+            acknowledged=self.incoming[bundle.stream].receiver.highest if known else -1,
+            flags=flags,
+        )

@@ -1,0 +1,215 @@
+"""A connected, non-blocking UDP socket that never raises in the loop and stamps arrivals."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+import struct
+import sys
+import time
+from dataclasses import dataclass
+from typing import Protocol
+
+from cosim.errors import InputError
+
+RECEIVE_BUFFER = 1 << 17
+"""Bytes the kernel may queue: some hundred packets, so a flood is dropped there and not stored."""
+LARGEST_READ = 2048
+_SIOCGSTAMPNS = 0x8907
+_STAMP = struct.Struct("@qq")
+
+
+class Transport(Protocol):
+    """What a peer's link sends and receives through."""
+
+    def receive(self, buffer: memoryview) -> int:
+        """The next datagram's size, or -1 where none waits."""
+        ...
+
+    def arrival(self) -> int:
+        """When the datagram just received arrived (ns, own monotonic clock)."""
+        ...
+
+    def send(self, datagram: memoryview | bytes) -> bool:
+        """Send without waiting; whether it was handed over."""
+        ...
+
+    def discard(self) -> int:
+        """Throw away what waits, up to a bound; how many datagrams that was."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A host and a UDP port."""
+
+    host: str
+    port: int
+
+    @classmethod
+    def parse(cls, text: str, what: str) -> Address:
+        """``host:port`` or ``[ipv6]:port``.
+
+        Raises:
+            InputError: it is neither.
+        """
+        host, colon, port = text.rpartition(":")
+        host = host.removeprefix("[").removesuffix("]")
+        if not colon or not host or not port.isdecimal() or not 0 <= int(port) < 65536:
+            message = f"{what} is host:port, for example 127.0.0.1:47000, and not {text!r}"
+            raise InputError(message)
+        return cls(host, int(port))
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+    def resolve(self) -> tuple[socket.AddressFamily, tuple[str, int]]:
+        """The family and numeric address.
+
+        Raises:
+            InputError: the host is unknown.
+        """
+        try:
+            found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_DGRAM)
+        except OSError as error:
+            message = f"the host {self.host} cannot be found: {error.strerror}"
+            raise InputError(message) from None
+        family, _, _, _, place = found[0]
+        return family, (str(place[0]), int(place[1]))
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether no other machine can reach it."""
+        return ipaddress.ip_address(self.resolve()[1][0].partition("%")[0]).is_loopback
+
+
+def refuse_open_network(addresses: list[Address], *, has_key: bool) -> None:
+    """Without a key, a link may only talk to its own machine.
+
+    Raises:
+        InputError: an address is not loopback and there is no key.
+    """
+    for address in addresses:
+        if not has_key and not address.is_loopback:
+            message = (
+                f"{address} can be reached from other machines and there is no key: anybody could "
+                "push on the user's hand. Make a key with 'cohaptic keygen FILE', copy it to every "
+                "station, and give it with --key FILE"
+            )
+            raise InputError(message)
+
+
+def open_socket(listen: Address, peer: Address | None, *, shared: bool = False) -> socket.socket:
+    """A non-blocking UDP socket bound to ``listen`` and connected to ``peer``.
+
+    ``shared`` lets several sockets of this user have one local port, each connected to its own
+    peer.
+
+    Raises:
+        InputError: the address is in use or not of this machine.
+    """
+    family, place = listen.resolve()
+    link = socket.socket(family, socket.SOCK_DGRAM)
+    try:
+        link.setblocking(False)
+        link.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        if shared:
+            link.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        link.bind(place)
+        if peer is not None:
+            link.connect(peer.resolve()[1])
+    except OSError as error:
+        link.close()
+        message = f"cannot listen on {listen}: {error.strerror}"
+        raise InputError(message) from None
+    return link
+
+
+class UdpTransport:
+    """The loop's end of a connected socket."""
+
+    def __init__(self, link: socket.socket) -> None:
+        self.socket = link
+        self.refused = 0
+        """Sends that met no listener (the peer has not bound its socket yet, or is gone)."""
+        self.unsent = 0
+        """Sends that failed otherwise: no route, full buffer."""
+        self._stamp = bytearray(_STAMP.size)
+        self._bin = memoryview(bytearray(1))
+        self._has_stamps = False
+        if sys.platform == "linux":
+            self._enable_stamps()
+
+    def _enable_stamps(self) -> None:
+        import fcntl
+
+        try:
+            # The first request switches stamping on and finds no stamp yet.
+            fcntl.ioctl(self.socket.fileno(), _SIOCGSTAMPNS, self._stamp, True)
+        except FileNotFoundError:
+            self._has_stamps = True
+        except OSError:
+            return
+        else:
+            self._has_stamps = True
+
+    def receive(self, buffer: memoryview) -> int:
+        """The next datagram's size, or -1 where none waits."""
+        try:
+            return self.socket.recv_into(buffer)
+        except ConnectionRefusedError:
+            # An ICMP answer to an earlier send, reported here; what waits is still there.
+            self.refused += 1
+            return self._receive_after_refusal(buffer)
+        except OSError:
+            return -1
+
+    def _receive_after_refusal(self, buffer: memoryview) -> int:
+        try:
+            return self.socket.recv_into(buffer)
+        except OSError:
+            return -1
+
+    def arrival(self) -> int:
+        """When the datagram just received reached the kernel (ns, monotonic)."""
+        now = time.monotonic_ns()
+        if not self._has_stamps:
+            return now
+        import fcntl
+
+        try:
+            fcntl.ioctl(self.socket.fileno(), _SIOCGSTAMPNS, self._stamp, True)
+        except OSError:
+            return now
+        seconds, rest = _STAMP.unpack(self._stamp)
+        waited = time.time_ns() - (seconds * 1_000_000_000 + rest)
+        # A step of the wall clock in between shows as a wait that cannot be.
+        return now - waited if 0 <= waited < 1_000_000_000 else now
+
+    def send(self, datagram: memoryview | bytes) -> bool:
+        """Send without waiting; a peer that is not there is no error."""
+        try:
+            self.socket.send(datagram)
+        except ConnectionRefusedError:
+            # Reports an earlier datagram; this one was not sent, so it is tried once more.
+            self.refused += 1
+            return self._send_again(datagram)
+        except OSError:
+            self.unsent += 1
+            return False
+        return True
+
+    def _send_again(self, datagram: memoryview | bytes) -> bool:
+        try:
+            self.socket.send(datagram)
+        except OSError:
+            self.unsent += 1
+            return False
+        return True
+
+    def discard(self) -> int:
+        """Throw away up to 256 waiting datagrams, reading one byte of each."""
+        for count in range(256):
+            if self.receive(self._bin) < 0:
+                return count
+        return 256

@@ -1,0 +1,70 @@
+"""Shared pieces: a bundle like that of two workstations, and both ends of a session's keys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from cosim.link.bundle import Bundle, Field, FieldRole
+from cosim.link.keys import PreSharedKey, SessionKeys, session_keys
+from cosim.link.packet import DataWriter, Opener, Sealer
+from cosim.link.receiver import Receiver, ReceiverSettings
+
+TICK = Fraction(1, 1024)
+PERIOD = 8
+KEY = PreSharedKey(bytes(range(32)))
+OTHER_KEY = PreSharedKey(bytes(range(1, 33)))
+
+
+def small_bundle(source: str = "a", target: str = "b", stream: int = 0) -> Bundle:
+    return Bundle(
+        source=source,
+        target=target,
+        fields=(
+            Field(name="vr.position", unit="m", size=2, minimum=-1.0, maximum=1.0, speed=3.0),
+            Field(name="vr.velocity", unit="m/s", size=2, minimum=-20.0, maximum=20.0),
+            Field(name="vr.source_tick", integer=True, role=FieldRole.SOURCE_TICK),
+            Field(name="vr.source_age", integer=True, minimum=0, role=FieldRole.SOURCE_AGE),
+            Field(name="vr.status", integer=True, minimum=0, role=FieldRole.STATUS),
+        ),
+        period=PERIOD,
+        tick=TICK,
+        stream=stream,
+    )
+
+
+def both_ends(
+    key: PreSharedKey = KEY, nonces: tuple[bytes, bytes] = (b"a" * 32, b"b" * 32)
+) -> tuple[SessionKeys, SessionKeys]:
+    contract = bytes(32)
+    return (
+        session_keys(
+            key, own="a", peer="b", own_nonce=nonces[0], peer_nonce=nonces[1], contract=contract
+        ),
+        session_keys(
+            key, own="b", peer="a", own_nonce=nonces[1], peer_nonce=nonces[0], contract=contract
+        ),
+    )
+
+
+@dataclass
+class Pair:
+    """What a sends and what b receives, under one session."""
+
+    writer: DataWriter
+    receiver: Receiver
+
+    def packet(self, tick: int, position: float = 0.0, **settings: int) -> bytes:
+        self.writer.values[:] = 0.0
+        self.writer.values[0] = position
+        self.writer.values[4] = tick
+        self.writer.seal(tick, settings.pop("sent", tick * 976_563), **settings)
+        return bytes(self.writer.datagram)
+
+
+def make_pair(settings: ReceiverSettings | None = None, key: PreSharedKey = KEY) -> Pair:
+    bundle = small_bundle()
+    a, b = both_ends(key)
+    receiver = Receiver(bundle, settings or ReceiverSettings())
+    receiver.renew(Opener(b.incoming, b.session))
+    return Pair(DataWriter(Sealer(a.outgoing, a.session), 0, bundle.size), receiver)
