@@ -14,6 +14,7 @@ from cosim.errors import CohapticError
 COMMANDS = {
     "check": "Read a scenario, load its FMUs, and report every problem in one go.",
     "fmu": "List, inspect and export FMUs.",
+    "keygen": "Make a pre-shared key for a link between workstations.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
