@@ -1,4 +1,4 @@
-"""Chapters 3 to 6 as code: discretisation, multi-rate models, stability, transparency, loss, design.
+"""Chapters 3 to 6 as code: multi-rate models, stability, transparency, packet loss, design.
 
 Imports NumPy and SciPy alone; everything is in SI units, and delays are whole network samples.
 """

@@ -17,14 +17,14 @@ from cosim.theory.steady import steady_drift
 from cosim.theory.timing import Timing
 
 DampingModel = Literal["original", "simplified"]
-"""``original``: the force acts on the user's hand (Fig. 6.1). ``simplified``: there are no hands, and
-the force acts directly on the object, on every copy of it (Fig. 6.3)."""
+"""``original``: the force acts on the user's hand (Fig. 6.1). ``simplified``: there are no hands,
+and the force acts directly on the object, on every copy of it (Fig. 6.3)."""
 
 
 def limit_damping(
     model: Model, timing: Timing, user: int, kind: DampingModel = "original"
 ) -> float:
-    """b = lim F/V as z → 1 (6.2), the force held over T_t and the velocity read at its start.
+    """The DC damping b = lim F/V as z → 1 (6.2), force held over T_t, velocity at its start.
 
     Args:
         model: a loop in free motion.
@@ -50,15 +50,11 @@ def limit_damping(
     return force / float(drift[place + 1])
 
 
-def _drift(
-    model: Model, timing: Timing, user: int, kind: DampingModel
-) -> tuple[float, Real, int]:
+def _drift(model: Model, timing: Timing, user: int, kind: DampingModel) -> tuple[float, Real, int]:
     """The force for a drift at 1 m/s, the state, and where the felt body is in it."""
     if timing.ratio.denominator != 1:
         pushed = () if kind == "simplified" else (user,)
-        direct = direct_model(
-            model, timing, push_hands=pushed, push_objects=kind == "simplified"
-        )
+        direct = direct_model(model, timing, push_hands=pushed, push_objects=kind == "simplified")
         period = float(timing.network_period * direct.network_samples)
         force, drift = steady_drift(
             direct.lifted.map, direct.lifted.force, direct.translation, period
@@ -145,47 +141,55 @@ def original_damping_two_samples(
         N·s/m.
     """
     T, m1, mo = T_c, m_1, m_o
-    numerator = T * k_11 * (
-        10 * m1 * k_o**2 * T**2 * b_o * b_11
-        - 24 * T * k_o**2 * m1 * mo * b_11
-        - 40 * m1 * T * mo * k_o**2 * b_o
-        - 24 * m1 * T * mo * k_o**2 * b_12
-        + T**3 * b_12**2 * k_o**2 * b_11
-        - 24 * T * b_11 * mo**2 * k_o**2
-        - 4 * T**3 * b_11 * b_o**2 * k_o**2
-        + 10 * m1 * T**2 * b_o * k_o**2 * b_12
-        + 8 * m1 * T**2 * b_o**2 * k_o**2
-        - 4 * T**3 * b_11 * b_o * k_o**2 * b_12
-        + 10 * T**2 * b_11 * mo * k_o**2 * b_12
-        + 12 * m1 * T**2 * k_o**2 * b_12 * b_11
-        + 48 * m1 * mo**2 * k_o**2
-        + 20 * T**2 * b_11 * mo * k_o**2 * b_o
-        - 2 * T**2 * k_12**2 * mo * b_o * b_11
-        - 2 * T**2 * k_12**2 * m1 * b_o**2
-        - 2 * T**2 * k_12**2 * m1 * b_o * b_11
-        + 4 * T * k_12**2 * m1 * mo * b_o
-        + T**3 * k_12**2 * b_o**2 * b_11
-        + 8 * T**2 * m1 * b_11 * k_o * b_o * k_12
-        - 40 * T * m1 * mo * k_o * b_o * k_12
-        - 4 * T**3 * k_o * b_o**2 * b_11 * k_12
-        + 8 * T**2 * m1 * b_o**2 * k_o * k_12
-        + 12 * m1 * T**2 * b_11 * k_o * b_12 * k_12
-        + 12 * m1 * T**2 * b_o * k_o * b_12 * k_12
-        + 20 * T**2 * mo * k_o * b_o * k_12 * b_11
-        + 12 * T**2 * mo * k_12 * k_o * b_12 * b_11
-        - 6 * T**3 * k_12 * k_o * b_12 * b_11 * b_o
-        - 24 * m1 * mo * T * k_o * b_12 * k_12
-        + 48 * m1 * mo**2 * k_12 * k_o
-        - 24 * T * mo**2 * k_12 * k_o * b_11
-        - 24 * m1 * mo * T * b_11 * k_o * k_12
+    numerator = (
+        T
+        * k_11
+        * (
+            10 * m1 * k_o**2 * T**2 * b_o * b_11
+            - 24 * T * k_o**2 * m1 * mo * b_11
+            - 40 * m1 * T * mo * k_o**2 * b_o
+            - 24 * m1 * T * mo * k_o**2 * b_12
+            + T**3 * b_12**2 * k_o**2 * b_11
+            - 24 * T * b_11 * mo**2 * k_o**2
+            - 4 * T**3 * b_11 * b_o**2 * k_o**2
+            + 10 * m1 * T**2 * b_o * k_o**2 * b_12
+            + 8 * m1 * T**2 * b_o**2 * k_o**2
+            - 4 * T**3 * b_11 * b_o * k_o**2 * b_12
+            + 10 * T**2 * b_11 * mo * k_o**2 * b_12
+            + 12 * m1 * T**2 * k_o**2 * b_12 * b_11
+            + 48 * m1 * mo**2 * k_o**2
+            + 20 * T**2 * b_11 * mo * k_o**2 * b_o
+            - 2 * T**2 * k_12**2 * mo * b_o * b_11
+            - 2 * T**2 * k_12**2 * m1 * b_o**2
+            - 2 * T**2 * k_12**2 * m1 * b_o * b_11
+            + 4 * T * k_12**2 * m1 * mo * b_o
+            + T**3 * k_12**2 * b_o**2 * b_11
+            + 8 * T**2 * m1 * b_11 * k_o * b_o * k_12
+            - 40 * T * m1 * mo * k_o * b_o * k_12
+            - 4 * T**3 * k_o * b_o**2 * b_11 * k_12
+            + 8 * T**2 * m1 * b_o**2 * k_o * k_12
+            + 12 * m1 * T**2 * b_11 * k_o * b_12 * k_12
+            + 12 * m1 * T**2 * b_o * k_o * b_12 * k_12
+            + 20 * T**2 * mo * k_o * b_o * k_12 * b_11
+            + 12 * T**2 * mo * k_12 * k_o * b_12 * b_11
+            - 6 * T**3 * k_12 * k_o * b_12 * b_11 * b_o
+            - 24 * m1 * mo * T * k_o * b_12 * k_12
+            + 48 * m1 * mo**2 * k_12 * k_o
+            - 24 * T * mo**2 * k_12 * k_o * b_11
+            - 24 * m1 * mo * T * b_11 * k_o * k_12
+        )
     )
-    denominator = (T * b_o + T * b_12 - 2 * mo) * (k_11 * k_12 + k_o * k_12 + k_11 * k_o) * (
-        -(T**3) * b_11 * k_o
-        - 2 * T**2 * b_11 * b_o
-        + 4 * m1 * T * b_o
-        + 4 * m1 * T * b_11
-        + 4 * mo * T * b_11
-        - 8 * m1 * mo
+    denominator = (
+        (T * b_o + T * b_12 - 2 * mo)
+        * (k_11 * k_12 + k_o * k_12 + k_11 * k_o)
+        * (
+            -(T**3) * b_11 * k_o
+            - 2 * T**2 * b_11 * b_o
+            + 4 * m1 * T * b_o
+            + 4 * m1 * T * b_11
+            + 4 * mo * T * b_11
+            - 8 * m1 * mo
+        )
     )
     return numerator / denominator
 

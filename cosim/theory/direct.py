@@ -103,7 +103,7 @@ def direct_model(
     if push_objects:
         terms += [(body, 1.0) for body in bodies]
     tick = float(timing.base_period)
-    lifted = lift(plant.matrix(), signals, tick, plant.force(*terms))
+    lifted = lift(plant.matrix(), signals, tick, plant.force(*terms), timing.hyperperiod_ticks)
 
     moved = np.zeros(lifted.map.shape[0])
     moved[0 : plant.size : 2] = 1.0
@@ -155,7 +155,9 @@ def _distributed_signals(
             Signal(control, plant.row(*own), heard, plant.force((copy, 1.0)), delay=late)
         )
         signals.extend(
-            _local(plant, hands[m], copy, model.local_stiffness[m], model.local_damping[m], timing)
+            _local(
+                plant, hands[m], copy, (model.local_stiffness[m], model.local_damping[m]), timing
+            )
         )
         signals.append(_compensation(plant, copy, float(model.compensation[m]), control))
     return signals
@@ -166,7 +168,7 @@ def _centralized_signals(
 ) -> list[Signal]:
     control, network = timing.control_ticks, timing.network_ticks
     late = timing.computation_delay
-    signals = _local(plant, hands[0], body, model.stiffness[0], model.damping[0], timing)
+    signals = _local(plant, hands[0], body, (model.stiffness[0], model.damping[0]), timing)
     for m in range(1, model.users):
         hand = hands[m]
         if hand is None:
@@ -176,9 +178,7 @@ def _centralized_signals(
         row = plant.row((hand, stiffness, damping))
         signals.append(Signal(network, row, delay=timing.delay.forward))
         own = plant.row((body, -stiffness, -damping))
-        signals.append(
-            Signal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late)
-        )
+        signals.append(Signal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late))
         # What goes down: the coupler's force at the network instant.
         down = Signal(
             network, own, {up: 1.0}, plant.force((hand, -1.0)), delay=timing.delay.backward
@@ -199,17 +199,12 @@ def _centralized_signals(
 
 
 def _local(
-    plant: _Plant,
-    hand: int | None,
-    body: int,
-    stiffness: float,
-    damping: float,
-    timing: Timing,
+    plant: _Plant, hand: int | None, body: int, gains: tuple[float, float], timing: Timing
 ) -> list[Signal]:
     """The coupler of a user's own hand, computed at T_c."""
     if hand is None:
         return []
-    k, b = float(stiffness), float(damping)
+    k, b = float(gains[0]), float(gains[1])
     row = plant.row((hand, k, b), (body, -k, -b))
     force = plant.force((hand, -1.0), (body, 1.0))
     return [Signal(timing.control_ticks, row, {}, force, delay=timing.computation_delay)]

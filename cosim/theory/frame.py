@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.theory.models import Centralized, Model
-from cosim.theory.numerics import Real
+from cosim.theory.numerics import Real, solve
 from cosim.theory.station import Station, hand_alone, object_station
 from cosim.theory.timing import Timing
 
@@ -104,7 +104,9 @@ class Assembly:
     samples: int
     control_period: float
 
-    def frame(self, events: Sequence[int] | None = None, depth: Sequence[int] | None = None) -> Frame:
+    def frame(
+        self, events: Sequence[int] | None = None, depth: Sequence[int] | None = None
+    ) -> Frame:
         """The one-frame map under the given packet events.
 
         Args:
@@ -251,7 +253,7 @@ def _assemble(
             stored[number, memory[number] + depths[number]] = 1.0
         else:
             stored[number, memory[number] + event - 1] = 1.0
-    held = np.linalg.solve(np.eye(len(links)) - fresh @ feed, fresh @ rows + stored)
+    held = solve(np.eye(len(links)) - fresh @ feed, fresh @ rows + stored)
 
     frame_map = np.zeros((n, n))
     power, total = np.eye(m), np.zeros((m, m))
@@ -269,7 +271,7 @@ def _assemble(
             frame_map[first + kept] = held[number]
 
     # Everything moved by 1 m: what is sent follows from the stations, link by link.
-    moved = np.linalg.solve(np.eye(len(links)) - feed, rows @ translation)
+    moved = solve(np.eye(len(links)) - feed, rows @ translation)
     for number, kept in enumerate(depths):
         translation[memory[number] : memory[number] + kept + (1 if keeps_held else 0)] = moved[
             number

@@ -1,7 +1,7 @@
 """Direct multi-rate state space (4.12)–(4.24), Appendix A: several rates, any rational ratios.
 
-A plant ẋ = A x + B w is driven by signals that are each sampled at their own period, a whole number of
-base ticks, and held. The hyperperiod is lifted into one linear map by the block matrices of
+A plant ẋ = A x + B w is driven by signals that are each sampled at their own period, a whole number
+of base ticks, and held. The hyperperiod is lifted into one linear map by the block matrices of
 Appendix A (Araki and Yamamoto's realisation), and the feedback closed as in (4.30).
 """
 
@@ -53,47 +53,46 @@ class Lifted:
     memory: tuple[int, ...]
 
 
-def state_blocks(A: Real, tick: float, ticks: int) -> Real:
-    """A_D1 … A_DN of (A.2), e^{A l τ₀} for l = 1 … N.
+def exponentials(A: Real, tick: float, ticks: int) -> tuple[Real, Real]:
+    """What every block of Appendix A is made of, for l = 0 … N.
 
     Returns:
-        Shape (ticks, n, n).
+        e^{A l τ₀} (A.2) and ∫₀^{l τ₀} e^{Aη} dη, both of shape (ticks + 1, n, n).
     """
-    empty = np.zeros((A.shape[0], 0))
-    return np.array([zero_order_hold(A, empty, tick * (l + 1))[0] for l in range(ticks)])
+    pairs = [zero_order_hold(A, np.eye(A.shape[0]), at * tick) for at in range(ticks + 1)]
+    return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
 
 
-def input_blocks(A: Real, b: Real, period: int, tick: float, ticks: int) -> Real:
+def input_blocks(powers: Real, integrals: Real, b: Real, period: int) -> Real:
     """B_Di of (A.4)–(A.5): effect of sample μ of an input on the state at tick l.
 
     Args:
-        A: shape (n, n).
-        b: shape (n,).
+        powers: e^{A l τ₀}, shape (ticks + 1, n, n).
+        integrals: ∫₀^{l τ₀} e^{Aη} dη, shape (ticks + 1, n, n).
+        b: the input's column, shape (n,).
         period: the input's period in base ticks.
-        tick: τ₀ in s.
-        ticks: ticks per hyperperiod.
 
     Returns:
-        Shape (ticks, samples, n), row l − 1 for the state at tick l.
+        Shape (ticks + 1, n, samples).
     """
-    samples = ticks // period
-    blocks = np.zeros((ticks, samples, b.size))
-    for l in range(1, ticks + 1):
-        for mu in range(samples):
-            start, stop = mu * period, min((mu + 1) * period, l)
-            if stop <= start:
-                continue
+    ticks = powers.shape[0] - 1
+    blocks = np.zeros((ticks + 1, b.size, ticks // period))
+    for at in range(1, ticks + 1):
+        for mu in range(-(-at // period)):
+            start, stop = mu * period, min((mu + 1) * period, at)
             # ∫ from start to stop of e^{A(lτ₀ − τ)} b dτ = e^{A(l − stop)τ₀} ∫₀ e^{Aη} dη b.
-            held = zero_order_hold(A, b[:, None], (stop - start) * tick)[1]
-            later = zero_order_hold(A, b[:, None], (l - stop) * tick)[0]
-            blocks[l - 1, mu] = (later @ held)[:, 0]
+            blocks[at, :, mu] = powers[at - stop] @ (integrals[stop - start] @ b)
     return blocks
 
 
 def lift(
-    A: Real, signals: Sequence[Signal], tick: float, external: Real | None = None
+    A: Real,
+    signals: Sequence[Signal],
+    tick: float,
+    external: Real | None = None,
+    ticks: int | None = None,
 ) -> Lifted:
-    """Lift the sampled loop over the least common multiple of its periods.
+    """Lift the sampled loop over a common multiple of its periods.
 
     Args:
         A: the plant, shape (n, n).
@@ -101,25 +100,24 @@ def lift(
             an instant, but not in a circle.
         tick: the base tick τ₀ in s.
         external: what an external constant 1 N does to ẋ, shape (n,).
+        ticks: how many base ticks to lift, a multiple of every period; None: the least.
     """
     n = A.shape[0]
-    ticks = math.lcm(*(signal.period for signal in signals))
+    if ticks is None:
+        ticks = math.lcm(*(signal.period for signal in signals))
     counts = [ticks // signal.period for signal in signals]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
     total = int(first[-1])
     memory_start = np.concatenate([[n], n + np.cumsum([s.delay for s in signals])]).astype(int)
     size = int(memory_start[-1])
 
-    powers = np.concatenate([np.eye(n)[None], state_blocks(A, tick, ticks)])
+    powers, integrals = exponentials(A, tick, ticks)
     push = np.zeros((ticks + 1, n, total))
     for number, signal in enumerate(signals):
         if signal.force is not None:
-            blocks = input_blocks(A, signal.force, signal.period, tick, ticks)
-            push[1:, :, first[number] : first[number + 1]] = blocks.transpose(0, 2, 1)
-    constant = np.zeros((ticks + 1, n))
-    if external is not None:
-        for l in range(1, ticks + 1):
-            constant[l] = zero_order_hold(A, external[:, None], l * tick)[1][:, 0]
+            columns = slice(int(first[number]), int(first[number + 1]))
+            push[:, :, columns] = input_blocks(powers, integrals, signal.force, signal.period)
+    constant = np.zeros((ticks + 1, n)) if external is None else integrals @ external
 
     # raw = X x₀ + Y held + c f;  held = S raw + Z z (delays shift whole samples, (4.21)).
     X = np.zeros((total, size))

@@ -1,7 +1,8 @@
 """The frame map tick by tick: a plain simulation of one hyperperiod from every unit state.
 
-The slow, independent third route: no matrix of the loop is formed, forces come from written-out
-spring-damper laws, and packets carry whole positions and velocities.
+The independent third route: no matrix of the loop is formed, forces come from written-out
+spring-damper laws, and packets carry whole positions and velocities. Every value is an array with
+one entry per unit state, so that all of them are simulated at once.
 """
 
 from __future__ import annotations
@@ -21,20 +22,23 @@ class _Mass:
 
     mass: float
     damping: float
-    position: float = 0.0
-    velocity: float = 0.0
-    force: float = 0.0
+    position: Real = field(default_factory=lambda: np.zeros(1))
+    velocity: Real = field(default_factory=lambda: np.zeros(1))
+    force: Real = field(default_factory=lambda: np.zeros(1))
 
     def advance(self, time: float) -> None:
         if self.damping == 0.0:
             acceleration = self.force / self.mass
-            self.position += self.velocity * time + acceleration * time * time / 2.0
-            self.velocity += acceleration * time
+            self.position = (
+                self.position + self.velocity * time + acceleration * (time * time / 2.0)
+            )
+            self.velocity = self.velocity + acceleration * time
             return
         constant = self.mass / self.damping
         terminal = self.force / self.damping
         decay = float(np.exp(-time / constant))
-        self.position += terminal * time + (self.velocity - terminal) * constant * (1.0 - decay)
+        coasted = (self.velocity - terminal) * (constant * (1.0 - decay))
+        self.position = self.position + terminal * time + coasted
         self.velocity = terminal + (self.velocity - terminal) * decay
 
 
@@ -44,16 +48,12 @@ class _Pipe:
 
     width: int
     delay: int
-    waiting: list[list[float]] = field(default_factory=list[list[float]])
-    held: list[float] = field(default_factory=list[float])
+    waiting: list[list[Real]] = field(default_factory=list[list[Real]])
+    held: list[Real] = field(default_factory=list[Real])
 
-    def push(self, values: list[float]) -> None:
+    def push(self, values: list[Real]) -> None:
         self.waiting.append(values)
-        self.held = self.waiting.pop(0) if len(self.waiting) > self.delay else self.held
-
-    def reset(self) -> None:
-        self.waiting = [[0.0] * self.width for _ in range(self.delay)]
-        self.held = [0.0] * self.width
+        self.held = self.waiting.pop(0)
 
 
 class _World:
@@ -63,9 +63,7 @@ class _World:
         self.model = model
         self.timing = timing
         users = range(model.users)
-        self.hands = [
-            _Mass(float(model.hand_mass[m]), float(model.hand_damping[m])) for m in users
-        ]
+        self.hands = [_Mass(float(model.hand_mass[m]), float(model.hand_damping[m])) for m in users]
         forward, backward = timing.delay.forward, timing.delay.backward
         late = timing.computation_delay
         if isinstance(model, Centralized):
@@ -76,7 +74,7 @@ class _World:
         else:
             self.objects = [_Mass(float(mass), 0.0) for mass in model.object_mass]
             self.peer = {
-                (m, r): _Pipe(4, forward if r < m else backward)
+                (m, r): _Pipe(4 if model.present[r] else 2, forward if r < m else backward)
                 for m in users
                 for r in users
                 if m != r
@@ -96,11 +94,11 @@ class _World:
         """Whether object m is coupled to what user r sends."""
         return r != m and (not isinstance(self.model, Centralized) or self.model.present[r])
 
-    def delayed(self, m: int, name: int | str, force: float) -> float:
+    def delayed(self, m: int, name: int | str, force: Real) -> Real:
         self.late[m, name].push([force])
         return self.late[m, name].held[0]
 
-    def spring(self, k: float, b: float, a: tuple[float, float], c: tuple[float, float]) -> float:
+    def spring(self, k: float, b: float, a: tuple[Real, Real], c: tuple[Real, Real]) -> Real:
         return k * (a[0] - c[0]) + b * (a[1] - c[1])
 
     def network_instant(self) -> None:
@@ -111,19 +109,16 @@ class _World:
                 pipe.push([self.hands[m].position, self.hands[m].velocity])
             return
         for (_, r), pipe in self.peer.items():
-            hand, copy = self.hands[r], self.objects[r]
-            pipe.push([hand.position, hand.velocity, copy.position, copy.velocity])
+            sent = [self.objects[r], self.hands[r]] if model.present[r] else [self.objects[r]]
+            pipe.push([value for mass in sent for value in (mass.position, mass.velocity)])
 
     def control_instant(self) -> None:
         """Compute every force that is computed at T_c, and apply it from now on."""
         model = self.model
-        for hand in self.hands:
-            if not (isinstance(model, Centralized) and hand is not self.hands[0]):
-                hand.force = 0.0
+        rest = np.zeros_like(self.objects[0].position)
         for m, copy in enumerate(self.objects):
             own = (copy.position, copy.velocity)
-            total = 0.0
-            coupler = 0.0
+            total = coupler = rest
             hand = self.hands[m]
             if model.present[m]:
                 if isinstance(model, Centralized):
@@ -132,27 +127,26 @@ class _World:
                     k, b = model.local_stiffness[m], model.local_damping[m]
                 coupler = self.spring(k, b, (hand.position, hand.velocity), own)
             coupler = self.delayed(m, m, coupler)
-            hand.force -= coupler
-            total += coupler
+            hand.force = -coupler
+            total = total + coupler
             if isinstance(model, Centralized):
                 for r, pipe in self.up.items():
                     sent = (pipe.held[0], pipe.held[1])
                     force = self.spring(model.stiffness[r], model.damping[r], sent, own)
-                    total += self.delayed(m, r, force)
+                    total = total + self.delayed(m, r, force)
             else:
                 for r in range(model.users):
                     if r == m:
                         continue
-                    x, v, xo, vo = self.peer[m, r].held
-                    force = 0.0
+                    held = self.peer[m, r].held
+                    k, b = model.object_stiffness[m, r], model.object_damping[m, r]
+                    force = self.spring(k, b, (held[0], held[1]), own)
                     if model.present[r]:
                         k, b = model.remote_stiffness[m, r], model.remote_damping[m, r]
-                        force += self.spring(k, b, (x, v), own)
-                    k, b = model.object_stiffness[m, r], model.object_damping[m, r]
-                    force += self.spring(k, b, (xo, vo), own)
-                    total += self.delayed(m, r, force)
-            wall = self.spring(model.wall_stiffness, model.wall_damping, (0.0, 0.0), own)
-            total += self.delayed(m, "wall", wall)
+                        force = force + self.spring(k, b, (held[2], held[3]), own)
+                    total = total + self.delayed(m, r, force)
+            wall = self.spring(model.wall_stiffness, model.wall_damping, (rest, rest), own)
+            total = total + self.delayed(m, "wall", wall)
             compensation = (
                 model.compensation
                 if isinstance(model, Centralized)
@@ -194,39 +188,29 @@ class _World:
             for mass in self.masses:
                 mass.advance(tick)
 
-    def state(self) -> list[float]:
-        values = [value for mass in self.masses for value in (mass.position, mass.velocity)]
-        for pipe in self.pipes:
-            for waiting in pipe.waiting:
-                values.extend(waiting)
-        return values
+    def values(self) -> list[Real]:
+        """Every committed value, in a fixed order."""
+        moving = [value for mass in self.masses for value in (mass.position, mass.velocity)]
+        return moving + [v for pipe in self.pipes for sent in pipe.waiting for v in sent]
 
-    def moved(self) -> list[float]:
-        """The state after everything, packets under way included, moved by 1 m."""
-        for mass in self.masses:
-            mass.position, mass.velocity = 1.0, 0.0
-        for pipe in self.pipes:
-            pipe.waiting = [
-                [1.0 if pipe.width > 1 and place % 2 == 0 else 0.0 for place in range(pipe.width)]
-                for _ in range(pipe.delay)
-            ]
-        return self.state()
+    def is_position(self) -> list[bool]:
+        """Which of the values move along when everything is moved."""
+        packets = [pipe.width > 1 for pipe in self.pipes for _ in range(pipe.delay * pipe.width)]
+        moving = [place % 2 == 0 for place in range(2 * len(self.masses))]
+        # A packet is (position, velocity) pairs; a force on its way is no position.
+        return moving + [packet and n % 2 == 0 for n, packet in enumerate(packets)]
 
-    def restore(self, values: list[float]) -> None:
-        for mass in (*self.hands, *self.objects):
-            mass.position = mass.velocity = mass.force = 0.0
-        for pipe in self.pipes:
-            pipe.reset()
+    def start(self, values: list[Real]) -> None:
+        """Put the committed values in place."""
         source = iter(values)
         for mass in self.masses:
             mass.position, mass.velocity = next(source), next(source)
         for pipe in self.pipes:
-            for waiting in pipe.waiting:
-                waiting[:] = [next(source) for _ in waiting]
+            pipe.waiting = [[next(source) for _ in range(pipe.width)] for _ in range(pipe.delay)]
 
 
 def monodromy(model: Model, timing: Timing) -> tuple[Real, Real]:
-    """The map over one hyperperiod, column by column from simulations of unit states.
+    """The map over one hyperperiod, from a simulation of every unit state.
 
     Returns:
         The map, shape (n, n), and the translation, shape (n,). n counts every value under way on
@@ -234,10 +218,7 @@ def monodromy(model: Model, timing: Timing) -> tuple[Real, Real]:
         are the same.
     """
     world = _World(model, timing)
-    translation = world.moved()
-    columns: list[list[float]] = []
-    for index in range(len(translation)):
-        world.restore([1.0 if place == index else 0.0 for place in range(len(translation))])
-        world.run()
-        columns.append(world.state())
-    return np.array(columns).T, np.array(translation)
+    moves = world.is_position()
+    world.start(list(np.eye(len(moves))))
+    world.run()
+    return np.array(world.values()), np.array(moves, dtype=np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, cast
 
 import numpy as np
@@ -15,15 +16,18 @@ Bool = NDArray[np.bool_]
 
 def matrix_exponential(matrix: Real) -> Real:
     """The exponential of a square matrix, shape (n, n)."""
-    from scipy import linalg
-
-    expm: Any = linalg.expm
+    expm: Any = import_module("scipy.linalg").expm
     return np.asarray(expm(matrix), dtype=np.float64)
 
 
 def eigenvalues(matrix: Real) -> Complex:
     """All eigenvalues of a square matrix (or of a stack of them, the last two axes square)."""
     return np.asarray(np.linalg.eigvals(matrix), dtype=np.complex128)
+
+
+def solve(matrix: Real, right: Real) -> Real:
+    """The solution of a square system, shapes (n, n) and (n,) or (n, m)."""
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
 
 
 def spectral_radius(matrix: Real) -> float:
@@ -35,9 +39,7 @@ def spectral_radius(matrix: Real) -> float:
 
 def find_root(function: Callable[[float], float], low: float, high: float) -> float:
     """The zero of ``function`` in [low, high], whose ends have opposite signs (Brent)."""
-    from scipy import optimize
-
-    brentq: Any = optimize.brentq
+    brentq: Any = import_module("scipy.optimize").brentq
     return float(brentq(function, low, high, xtol=1e-13, rtol=4e-15, maxiter=200))
 
 
@@ -45,9 +47,7 @@ def minimise_bounded(
     function: Callable[[float], float], low: float, high: float
 ) -> tuple[float, float]:
     """A local minimum of ``function`` in [low, high]: where it is, and its value."""
-    from scipy import optimize
-
-    minimise: Any = optimize.minimize_scalar
+    minimise: Any = import_module("scipy.optimize").minimize_scalar
     result: Any = minimise(
         function, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * (high - low)}
     )
@@ -61,13 +61,10 @@ def largest_eigenvalue_of_map(apply: Callable[[Real], Real], size: int) -> float
         apply: the map, from a vector of shape (size,) to a vector of shape (size,).
         size: the length of the vectors; at least 3.
     """
-    from scipy.sparse import linalg
-
-    operator_class: Any = linalg.LinearOperator
-    eigs: Any = linalg.eigs
-    operator = operator_class((size, size), matvec=apply, dtype=np.float64)
+    linalg: Any = import_module("scipy.sparse.linalg")
+    operator = linalg.LinearOperator((size, size), matvec=apply, dtype=np.float64)
     start = np.ones(size)
-    values: Any = eigs(
+    values: Any = linalg.eigs(
         operator, k=1, which="LM", v0=start, return_eigenvectors=False, maxiter=5000, tol=1e-12
     )
     return float(np.max(np.abs(cast("Complex", values))))

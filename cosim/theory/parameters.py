@@ -1,12 +1,12 @@
 """Parameters by the thesis's names, and the models that they make.
 
-A parameter has a most specific name (``k_21``) and more general ones (``k_12`` for either of a pair,
-``b`` for every coupler's damping). The most specific name that was given wins; defaults come last.
+A parameter has a most specific name (``k_21``) and more general ones (``k_12`` for either of a
+pair, ``b`` for every coupler's damping). The most specific name that was given wins; defaults come
+last.
 """
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from cosim.errors import InputError
+from cosim.suggest import did_you_mean
 from cosim.theory.models import Centralized, Distributed, Model
 from cosim.theory.numerics import Real
 
@@ -36,7 +37,7 @@ CHAPTER_5: dict[Architecture, dict[str, float]] = {
         "b": 10.0,
     },
 }
-"""Constants of chapter 5 (N/m, N·s/m, kg). The figures vary k_1 and k_2; 1000 and 100 stand for them."""
+"""Constants of chapter 5 (N/m, N·s/m, kg). Its figures vary k_1, k_2; 1000, 100 stand for them."""
 
 TABLE_6_1: dict[Architecture, dict[str, float]] = {
     "single": {**_MASSES, **_NEUTRAL, "k": 1000.0, "b": 15.0},
@@ -102,7 +103,7 @@ class Parameters:
         defaults: Mapping[str, float],
         users: int = 2,
     ) -> None:
-        self.architecture = architecture
+        self.architecture: Architecture = architecture
         self.users = check_users(architecture, users)
         self.given = dict(given)
         self.defaults = dict(defaults)
@@ -165,9 +166,7 @@ class Parameters:
 
     def replaced(self, values: Mapping[str, float]) -> Parameters:
         """The same parameters with some given anew."""
-        return Parameters(
-            self.architecture, {**self.given, **values}, self.defaults, self.users
-        )
+        return Parameters(self.architecture, {**self.given, **values}, self.defaults, self.users)
 
     def _array(self, leaves: Iterable[str]) -> Real:
         return np.array([self[leaf] for leaf in leaves])
@@ -240,11 +239,10 @@ def _distinct(*names: str) -> tuple[str, ...]:
 def _check_name(name: str, known: set[str], architecture: Architecture) -> None:
     if name in known:
         return
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f" Did you mean {near[0]}?" if near else ""
-    general = ", ".join(sorted(known, key=lambda word: (word[0], len(word), word)))
+    listing = ", ".join(sorted(known, key=lambda word: (word[0], len(word), word)))
     raise InputError(
-        f"The {architecture} model has no parameter {name!r}.{hint} It has: {general}."
+        f"The {architecture} model has no parameter {name!r}."
+        f"{did_you_mean(name, known, listed=0)} It has: {listing}."
     )
 
 

@@ -1,7 +1,7 @@
-"""Removing the motions that are always neutral: common translation, and common velocity where free.
+"""Removing the motions that are always neutral: common translation, common velocity where free.
 
-λ = 1 is an exact eigenvalue of every loop that nothing ties to the ground, because everything may be
-moved by the same distance. (3.19)'s |λ| ≤ 1 and (4.30)'s "all inside" both stumble over it.
+λ = 1 is an exact eigenvalue of every loop that nothing ties to the ground, because everything may
+be moved by the same distance. (3.19)'s |λ| ≤ 1 and (4.30)'s "all inside" both stumble over it.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 from cosim.theory.numerics import Complex, Real, eigenvalues
 
 MOMENTUM_TOLERANCE = 1e-9
-"""How near 1 the common-velocity eigenvalue counts as 1: its size is 1 − b T_t / Σm, so this is a net
-damping below about 1e-7 N·s/m."""
+"""How near 1 the common-velocity eigenvalue counts as 1: its size is 1 − b T_t / Σm, so this is a
+net damping below about 1e-7 N·s/m."""
 
 
 def without_translation(frame_map: Real, translation: Real) -> Real:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -32,8 +33,8 @@ class Stability:
 
     @property
     def stable(self) -> bool:
-        """ρ < 1."""
-        return self.spectral_radius < 1.0
+        """ρ < 1, by more than rounding makes of a neutral motion."""
+        return self.spectral_radius < 1.0 - 1e-12
 
 
 def stability(model: Model, timing: Timing) -> Stability:
@@ -47,9 +48,7 @@ def stability(model: Model, timing: Timing) -> Stability:
         spectrum = decisive_spectrum(frame.map, None if model.grounded else frame.translation)
         return Stability(spectrum.radius, spectrum.marginal, spectrum)
     direct = direct_model(model, timing)
-    spectrum = decisive_spectrum(
-        direct.lifted.map, None if model.grounded else direct.translation
-    )
+    spectrum = decisive_spectrum(direct.lifted.map, None if model.grounded else direct.translation)
     radius = spectrum.radius ** (1.0 / direct.network_samples)
     return Stability(radius, spectrum.marginal, spectrum)
 
@@ -77,14 +76,15 @@ def stable_intervals(
     grid = _grid(low, high, points)
     values = np.array([radius(float(value)) - 1.0 for value in grid])
     grid, values = _with_hidden_extrema(radius, grid, values)
-    edges: list[float] = []
-    for left in range(grid.size - 1):
-        if (values[left] < 0) != (values[left + 1] < 0):
-            edges.append(_crossing(radius, float(grid[left]), float(grid[left + 1])))
+    edges = [
+        _crossing(radius, float(grid[left]), float(grid[left + 1]))
+        for left in range(grid.size - 1)
+        if (values[left] < 0) != (values[left + 1] < 0)
+    ]
     stable_now = bool(values[0] < 0)
     marks = [low, *edges, high]
     intervals: list[tuple[float, float]] = []
-    for start, stop in zip(marks, marks[1:], strict=False):
+    for start, stop in itertools.pairwise(marks):
         if stable_now:
             intervals.append((start, stop))
         stable_now = not stable_now

@@ -119,7 +119,7 @@ def object_station(
         rows.append((row, push_object, index))
     for number, (row, push, index) in enumerate(rows):
         if computation_delay == 0:
-            A += push[..., :, None] * row[..., None, :]
+            A[...] += push[..., :, None] * row[..., None, :]
             if index is not None:
                 B[..., :, index] += push
                 C[..., index, :] = row

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.theory.numerics import Real
+from cosim.theory.numerics import Real, solve
 
 
-def steady_drift(frame_map: Real, force: Real, translation: Real, period: float) -> tuple[float, Real]:
+def steady_drift(
+    frame_map: Real, force: Real, translation: Real, period: float
+) -> tuple[float, Real]:
     """The drift at 1 m/s: s(k) = k T t + s₀, solving (M − I) s₀ + b f = T t.
 
     Posed at a given speed and solved for the force, it has an answer even where no force is needed.
@@ -25,7 +27,7 @@ def steady_drift(frame_map: Real, force: Real, translation: Real, period: float)
     pivot = int(np.argmax(translation != 0.0))
     system = frame_map - np.eye(n)
     system[:, pivot] = force
-    solution = np.linalg.solve(system, period * translation)
+    solution = solve(system, period * translation)
     needed = float(solution[pivot])
     solution[pivot] = 0.0
     return needed, solution
@@ -33,4 +35,4 @@ def steady_drift(frame_map: Real, force: Real, translation: Real, period: float)
 
 def steady_state(frame_map: Real, force: Real) -> Real:
     """The fixed point under a constant force of 1 N, s₀ = (I − M)⁻¹ b, where something holds it."""
-    return np.linalg.solve(np.eye(force.size) - frame_map, force)
+    return solve(np.eye(force.size) - frame_map, force)

@@ -8,7 +8,7 @@ import numpy as np
 
 from cosim.errors import InputError
 from cosim.theory.models import Centralized, Model
-from cosim.theory.numerics import Real
+from cosim.theory.numerics import Real, solve
 
 
 def equivalent_stiffness(model: Model, user: int) -> float:
@@ -33,7 +33,7 @@ def equivalent_stiffness(model: Model, user: int) -> float:
     push = np.zeros(balance.shape[0])
     push[hand] = 1.0
     try:
-        moved = np.linalg.solve(balance, push)
+        moved = solve(balance, push)
     except np.linalg.LinAlgError:
         raise InputError(
             "A hand is tied to nothing (its coupler's stiffness is 0), so there is no equilibrium."

@@ -74,9 +74,7 @@ class Timing:
             InputError: where a period or the ratio is not positive, or the delay negative.
         """
         if self.control_period <= 0:
-            raise InputError(
-                f"The control period is {self.control_period} s: it must be positive."
-            )
+            raise InputError(f"The control period is {self.control_period} s: it must be positive.")
         if self.ratio <= 0:
             raise InputError(
                 f"The ratio of the network period to the control period is {self.ratio}: "

@@ -1,0 +1,45 @@
+"""``cohaptic theory``: one short file a subcommand, each imported only when it is called."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import click
+
+SUBCOMMANDS = {
+    "boundary": "All stable intervals along one parameter.",
+    "damping": "DC damping that a user feels, and the compensation that nulls it.",
+    "radius": "Spectral radius of a loop: stable below 1.",
+    "stiffness": "Stiffness that a user feels in rigid contact.",
+}
+
+
+class TheoryGroup(click.Group):
+    """The theory's subcommands, imported when used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The subcommand names in alphabetical order."""
+        return sorted(SUBCOMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return one subcommand, or ``None`` where there is none of that name."""
+        if cmd_name not in SUBCOMMANDS:
+            return None
+        command: Any = importlib.import_module(f"cosim.cli.theory.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list without importing a single subcommand."""
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(SUBCOMMANDS.items()))
+
+
+@click.group(cls=TheoryGroup, context_settings={"help_option_names": ["-h", "--help"]})
+def command() -> None:
+    """Stability, transparency, damping and design of cooperative haptics over a network.
+
+    Names follow the thesis: k_1, b_2 (centralized); k_11, k_12, k_o (distributed); k, b (single).
+    Naming one of a pair (k_12 for k_12 and k_21) sets both unless both are named; b sets the
+    damping of every coupler. Units are N/m, N·s/m, kg and s.
+    """

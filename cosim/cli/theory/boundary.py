@@ -1,0 +1,40 @@
+"""``cohaptic theory boundary``: where along a parameter a loop is stable."""
+
+from __future__ import annotations
+
+import click
+
+from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
+from cosim.theory.stability import stability, stable_intervals
+
+
+@click.command()
+@click.option("--vary", required=True, metavar="NAME", help="The parameter that moves.")
+@click.option("--range", "span", required=True, metavar="LOW:HIGH", help="Where it moves.")
+@loop_options(chapter=5)
+def command(loop: Loop, as_json: bool, vary: str, span: str) -> None:
+    """All stable intervals along one parameter; regions may be re-entrant."""
+    low, high = read_range(span)
+    # Both ends must be allowed values; what lies between is then allowed too.
+    for end in (low, high):
+        loop.parameters.replaced({vary: end})
+
+    def radius(value: float) -> float:
+        model = loop.parameters.replaced({vary: value}).model()
+        return stability(model, loop.timing).spectral_radius
+
+    intervals = stable_intervals(radius, low, high)
+    result = {
+        "stable": [list(interval) for interval in intervals],
+        "vary": vary,
+        "range": [low, high],
+        "architecture": loop.architecture,
+        "parameters": loop.parameters.resolved(),
+    }
+    listed = "\n".join(f"  {start:.6g} to {stop:.6g}" for start, stop in intervals)
+    text = f"{describe(loop)}\n" + (
+        f"{vary} is stable from\n{listed}"
+        if intervals
+        else f"no stable {vary} between {low:g} and {high:g}"
+    )
+    emit(result, text, as_json=as_json, notes=loop.notes)

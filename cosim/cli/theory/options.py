@@ -1,0 +1,240 @@
+"""The options that every theory command shares, and the loop that they describe."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, cast
+
+import click
+
+from cosim.errors import InputError
+from cosim.theory.models import Model
+from cosim.theory.parameters import (
+    ARCHITECTURES,
+    CHAPTER_5,
+    TABLE_6_1,
+    Architecture,
+    Parameters,
+)
+from cosim.theory.timing import Delay, Timing
+
+DEFAULTS: dict[int, dict[Architecture, dict[str, float]]] = {5: CHAPTER_5, 6: TABLE_6_1}
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """The loop that the options describe.
+
+    Attributes:
+        parameters: its parameters, by the thesis's names.
+        timing: its rates and delays.
+        notes: sentences about how it was read, for people.
+    """
+
+    parameters: Parameters
+    timing: Timing
+    notes: tuple[str, ...] = ()
+
+    @property
+    def architecture(self) -> Architecture:
+        """single, centralized or distributed."""
+        return self.parameters.architecture
+
+    @property
+    def model(self) -> Model:
+        """The model with every user's hand in it."""
+        return self.parameters.model()
+
+    def one_hand(self, user: int) -> Model:
+        """The model with one user's hand alone (Fig. 6.1)."""
+        users = self.parameters.users
+        return self.parameters.model(tuple(m == user for m in range(users)))
+
+
+def loop_options(chapter: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add the shared options to a command, which then takes ``loop`` and ``as_json``.
+
+    Args:
+        chapter: whose constants are the defaults, 5 or 6.
+    """
+
+    def decorate(function: Callable[..., None]) -> Callable[..., None]:
+        @functools.wraps(function)
+        def wrapper(**values: Any) -> None:
+            shared = {name: values.pop(name) for name in _SHARED}
+            function(loop=_loop(chapter, **shared), **values)
+
+        decorated: Callable[..., None] = wrapper
+        for option in reversed(_OPTIONS):
+            decorated = option(decorated)
+        return decorated
+
+    return decorate
+
+
+_SHARED = (
+    "architecture",
+    "settings",
+    "round_trip_delay",
+    "each_way_delay",
+    "forward_delay",
+    "backward_delay",
+    "ratio",
+    "control_rate",
+    "computation_delay",
+    "users",
+)
+_OPTIONS = (
+    click.option("--architecture", type=click.Choice(ARCHITECTURES), help="Which loop."),
+    click.option(
+        "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A parameter; repeatable."
+    ),
+    click.option(
+        "--round-trip-delay",
+        type=int,
+        metavar="N",
+        help="Network samples: ⌈n/2⌉ there, ⌊n/2⌋ back.",
+    ),
+    click.option("--each-way-delay", type=int, metavar="N", help="Network samples, both ways."),
+    click.option("--forward-delay", type=int, metavar="I", help="Network samples forward."),
+    click.option("--backward-delay", type=int, metavar="J", help="Network samples backward."),
+    click.option("--ratio", metavar="N", help="T_t / T_c, such as 8 or 17/2.  [default: 8]"),
+    click.option("--control-rate", metavar="HZ", help="1 / T_c.  [default: 1024]"),
+    click.option(
+        "--computation-delay",
+        type=int,
+        metavar="TICKS",
+        help="Control ticks from a coupler's inputs to its force.  [default: 0]",
+    ),
+    click.option("--users", type=int, metavar="M", help="Number of users.  [default: 2]"),
+    click.option("--json", "as_json", is_flag=True, help="Print one JSON object."),
+)
+
+
+def _loop(
+    chapter: int,
+    *,
+    architecture: str | None,
+    settings: tuple[str, ...],
+    round_trip_delay: int | None,
+    each_way_delay: int | None,
+    forward_delay: int | None,
+    backward_delay: int | None,
+    ratio: str | None,
+    control_rate: str | None,
+    computation_delay: int | None,
+    users: int | None,
+) -> Loop:
+    if architecture is None:
+        raise InputError(f"Say which loop: --architecture {'|'.join(ARCHITECTURES)}.")
+    named = cast("Architecture", architecture)
+    given = dict(read_setting(text) for text in settings)
+    parameters = Parameters(named, given, DEFAULTS[chapter][named], users or 2)
+    single = named == "single"
+    timing = Timing(
+        control_period=1 / read_fraction("--control-rate", control_rate or "1024"),
+        # The single-user loop has no network: one frame is one control tick.
+        ratio=Fraction(1) if single else read_fraction("--ratio", ratio or "8"),
+        delay=Delay()
+        if single
+        else read_delay(round_trip_delay, each_way_delay, forward_delay, backward_delay),
+        computation_delay=computation_delay or 0,
+    )
+    return Loop(parameters, timing)
+
+
+def read_setting(text: str) -> tuple[str, float]:
+    """Read ``name=value``.
+
+    Raises:
+        InputError: where it has another form, or the value is not a number.
+    """
+    name, separator, value = text.partition("=")
+    if not separator or not name.strip():
+        raise InputError(f"--set {text}: write NAME=VALUE, such as --set k_11=2000.")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        raise InputError(
+            f"--set {text}: {value.strip()!r} is not a number; give it in SI units, such as 2000."
+        ) from None
+
+
+def read_fraction(option: str, text: str) -> Fraction:
+    """Read a positive number, exactly: ``8``, ``17/2`` or ``8.5``.
+
+    Raises:
+        InputError: where it is not one.
+    """
+    try:
+        value = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise InputError(
+            f"{option} {text}: give a positive number such as 8, 17/2 or 8.5."
+        ) from None
+    if value <= 0:
+        raise InputError(f"{option} {text}: it must be positive.")
+    return value
+
+
+def read_range(text: str) -> tuple[float, float]:
+    """Read ``LOW:HIGH``.
+
+    Raises:
+        InputError: where it has another form.
+    """
+    low, separator, high = text.partition(":")
+    try:
+        if separator:
+            return float(low), float(high)
+    except ValueError:
+        pass
+    raise InputError(f"--range {text}: write LOW:HIGH, such as 1:50000.")
+
+
+def read_delay(
+    round_trip: int | None, each_way: int | None, forward: int | None, backward: int | None
+) -> Delay:
+    """The delay from exactly one of its three forms; none of them means no delay.
+
+    Raises:
+        InputError: where two forms are mixed.
+    """
+    both = forward is not None or backward is not None
+    if sum((round_trip is not None, each_way is not None, both)) > 1:
+        raise InputError(
+            "Give the delay in one form only: --round-trip-delay, --each-way-delay, or "
+            "--forward-delay with --backward-delay."
+        )
+    if round_trip is not None:
+        return Delay.round_trip(round_trip)
+    if each_way is not None:
+        return Delay.each_way(each_way)
+    return Delay(forward or 0, backward or 0)
+
+
+def emit(result: Mapping[str, Any], text: str, *, as_json: bool, notes: tuple[str, ...]) -> None:
+    """Print a result: one JSON object, or text; remarks go to stderr."""
+    for note in notes:
+        click.echo(note, err=True)
+    click.echo(json.dumps(result, ensure_ascii=False) if as_json else text)
+
+
+def describe(loop: Loop) -> str:
+    """One line that says which loop a result is about."""
+    timing = loop.timing
+    if loop.architecture == "single":
+        place = f"single user, T_c = 1/{1 / timing.control_period} s"
+    else:
+        place = (
+            f"{loop.architecture}, {loop.parameters.users} users, "
+            f"T_c = 1/{1 / timing.control_period} s, N = {timing.ratio}, "
+            f"delay {timing.delay.forward} forward and {timing.delay.backward} backward"
+        )
+    if timing.computation_delay:
+        place += f", computation delay {timing.computation_delay}"
+    return place

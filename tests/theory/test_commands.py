@@ -1,0 +1,130 @@
+"""``cohaptic theory``: the command forms and JSON keys that scripts rely on, and its sentences."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from cosim.cli import cli
+from cosim.errors import InputError
+
+
+def run(*arguments: str) -> str:
+    result = CliRunner().invoke(cli, ["theory", *arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def answer(*arguments: str) -> dict[str, Any]:
+    return json.loads(run(*arguments, "--json"))
+
+
+def refusal(*arguments: str) -> str:
+    with pytest.raises(InputError) as caught:
+        CliRunner().invoke(
+            cli, ["theory", *arguments], catch_exceptions=False, standalone_mode=False
+        )
+    return str(caught.value)
+
+
+def test_radius() -> None:
+    loop = ("--architecture", "centralized", "--set", "k_1=800", "--set", "k_2=800")
+    found = answer("radius", *loop, "--set", "b=3", "--round-trip-delay", "1", "--ratio", "8")
+    assert f"{found['spectral_radius']:.5f}" == "1.19967"
+    assert found["stable"] is False
+    assert "unstable" in run("radius", *loop, "--set", "b=3", "--round-trip-delay", "1")
+
+
+def test_the_three_delay_forms_have_the_same_poles() -> None:
+    def radius(*delay: str) -> float:
+        return answer("radius", "--architecture", "distributed", *delay)["spectral_radius"]
+
+    one_each = radius("--each-way-delay", "1")
+    assert one_each == pytest.approx(radius("--round-trip-delay", "2"), rel=1e-10)
+    assert one_each == pytest.approx(
+        radius("--forward-delay", "2", "--backward-delay", "0"), rel=1e-10
+    )
+    assert one_each != pytest.approx(radius("--round-trip-delay", "1"), rel=1e-6)
+
+
+def test_boundary() -> None:
+    loop = ("--architecture", "single", "--set", "b=10", "--vary", "k", "--range", "1:50000")
+    ((low, high),) = answer("boundary", *loop)["stable"]
+    assert low == 1
+    assert high == pytest.approx(20480, abs=1e-6)
+    assert "20480" in run("boundary", *loop)
+
+
+def test_damping() -> None:
+    found = answer("damping", "--architecture", "distributed", "--model", "original")
+    assert f"{found['damping']:.4g}" == "2.039"
+    assert f"{found['compensation']:.4g}" == "-1.509"
+    assert found["compensated_stable"]
+    simplified = answer("damping", "--architecture", "distributed", "--model", "simplified")
+    assert f"{simplified['damping']:.4g}" == "1.067"
+    remote = answer("damping", "--architecture", "centralized", "--ratio", "2")
+    assert f"{remote['damping']:.5g}" == "0.041656"
+
+
+def test_damping_with_every_hand_on_the_box() -> None:
+    gains = ("k_11=800", "b_11=3", "k_12=170", "b_12=3", "k_o=77.5", "b_o=10")
+    settings = [part for gain in gains for part in ("--set", gain)]
+    found = answer("damping", "--architecture", "distributed", *settings, "--all-hands")
+    assert f"{found['compensation']:.3f}" == "-0.877"
+
+
+def test_stiffness() -> None:
+    assert f"{answer('stiffness', '--architecture', 'distributed')['stiffness']:.2f}" == "2729.35"
+    found = answer("stiffness", "--architecture", "centralized")
+    assert f"{found['stiffness']:.2f} {found['local']:.2f}" == "84.76 967.74"
+
+
+def test_naming_one_of_a_pair_sets_both_and_b_sets_every_coupler() -> None:
+    def parameters(*settings: str) -> dict[str, float]:
+        texts = [part for setting in settings for part in ("--set", setting)]
+        return answer("radius", "--architecture", "distributed", *texts)["parameters"]
+
+    assert parameters("k_21=70")["k_12"] == 70
+    both = parameters("k_21=70", "k_12=90")
+    assert (both["k_12"], both["k_21"]) == (90, 70)
+    damped = parameters("b=7", "b_22=5")
+    assert {damped[name] for name in ("b_12", "b_21", "b_o1", "b_o2")} == {7}
+    assert (damped["b_11"], damped["b_22"]) == (5, 5)
+    assert damped["b_c1"] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--set", "m_h=-1"), "m_h is -1 kg: a mass must be positive."),
+        (("--set", "m_o=0"), "a mass must be positive"),
+        (("--set", "k_11=-5"), "cannot be negative"),
+        (("--set", "k_11=inf"), "finite"),
+        (("--ratio", "0"), "--ratio 0: it must be positive."),
+        (("--ratio", "1/0"), "give a positive number"),
+        (("--control-rate", "fast"), "give a positive number"),
+        (("--set", "k_11q=3"), "Did you mean k_11?"),
+        (("--set", "k_11"), "write NAME=VALUE"),
+        (("--set", "k_11=stiff"), "not a number"),
+        (("--round-trip-delay", "-1"), "cannot be negative"),
+        (("--round-trip-delay", "1", "--forward-delay", "1"), "one form only"),
+        (("--users", "1"), "2 to 9 users"),
+        (("--computation-delay", "-1"), "cannot be negative"),
+    ],
+)
+def test_nonsense_gets_a_sentence(arguments: tuple[str, ...], sentence: str) -> None:
+    assert sentence in refusal("radius", "--architecture", "distributed", *arguments)
+
+
+def test_the_architecture_has_to_be_said() -> None:
+    assert "--architecture" in refusal("radius")
+
+
+def test_a_range_has_two_ends_in_order() -> None:
+    loop = ("boundary", "--architecture", "distributed", "--vary", "k_12")
+    assert "LOW:HIGH" in refusal(*loop, "--range", "5")
+    assert "empty" in refusal(*loop, "--range", "5:1")
+    assert "Did you mean" in refusal(*loop[:3], "--vary", "k_1q", "--range", "1:5")
