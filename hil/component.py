@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import nan
@@ -79,7 +78,11 @@ class DeviceComponent(Component):
         self.device = device
         if device not in session.devices:
             session.devices.append(device)
-        observe_rest(device, pace=session.clock is not None)
+        if session.clock is None and not (device.in_process or device.lockstep):
+            raise InputError(
+                f"{setup.name} is a real device ({device.name}): run it with --realtime"
+            )
+        observe_rest(device)
         device.activate()
         self.read(0)
         self._applied[...] = 0.0
@@ -153,13 +156,12 @@ def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
     return file
 
 
-def observe_rest(device: Device, *, pace: bool) -> None:
+def observe_rest(device: Device) -> None:
     """Exchange zeros for long enough to know whether the handle rests."""
     for tick in range(-REST_TICKS, 0):
         device.read(tick)
         device.write(tick, (0.0, 0.0))
         if device.state is State.FAULT and device.settled:
             break
-        if pace:
-            time.sleep(device.tick)
+        device.pause()
     device.raise_fault()

@@ -11,6 +11,7 @@ UNCONFIGURED -> configure -> INACTIVE -> home -> activate -> ACTIVE -> deactivat
 from __future__ import annotations
 
 import math
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from fractions import Fraction
@@ -40,7 +41,7 @@ from hil.pulse import Pulse
 from hil.safeguards import check_safeguards
 from hil.safety import SafetyLayer, Trip
 
-SETTLE_TICKS = 12
+SETTLE_TICKS = 24
 """Ticks after a fault within which a zero has to be confirmed."""
 LONGEST_NATIVE_PERIOD = 2
 """A device that shows new samples less often than every so many ticks is refused."""
@@ -314,6 +315,11 @@ class Device(ABC):
         """Whether it is known what became of the motors after a fault."""
         return self.outcome is not None and self.outcome is not Outcome.PENDING
 
+    @property
+    def lockstep(self) -> bool:
+        """Whether it is an emulator that advances exactly as far as it is asked to."""
+        return self.address.options.get("lockstep") == "1"
+
     def fault_sentence(self) -> str:
         """Why the device is in FAULT and what is known of its output."""
         if self.fault is None:
@@ -360,22 +366,33 @@ class Device(ABC):
 
     # --- for the supervisor ----------------------------------------------------------------------
 
-    def zero_after_death(self) -> bool:
+    def zero_after_death(self, *, torn: bool) -> bool:
         """Zero a device whose loop died in any place; whether the zero was confirmed.
 
-        Called in the supervisor, which inherited nothing but the open port.
+        Called in the supervisor, which shares nothing with the loop but the open port; ``torn``
+        says that the loop died while it was writing a frame.
         """
         before = self.zeros_confirmed
         try:
-            self._recover()
-            for _ in range(SETTLE_TICKS):
-                self._send_zero()
-                self._sample = self._receive() or self._sample
+            self._take_over()
+            if torn:
+                self._recover()
+            for attempt in range(3 * SETTLE_TICKS):
+                self._guard(self._send_zero)
+                self.pause()
+                self._guard(self._receive)
                 if self.zeros_confirmed > before:
                     return True
-        except Exception:
+                if attempt == SETTLE_TICKS:
+                    self._recover()
+        except Exception:  # the answer is "not confirmed", whatever went wrong
             return False
         return False
+
+    def pause(self) -> None:
+        """One tick's time between exchanges outside the loop; none where no clock is involved."""
+        if not (self.in_process or self.lockstep):
+            time.sleep(self.tick)
 
     # --- hooks -----------------------------------------------------------------------------------
 
@@ -412,6 +429,9 @@ class Device(ABC):
     def _leave(self) -> None:
         """Leave closed loop."""
 
+    def _take_over(self) -> None:
+        """Forget what was true in the process that died (answers that it had asked for)."""
+
     def _recover(self) -> None:
         """Complete or drain a frame that a dead loop left half written."""
 
@@ -446,6 +466,7 @@ class Device(ABC):
     def _fresh_sample(self) -> Sample:
         for _ in range(FIRST_SAMPLE_TRIES):
             self._send_zero()
+            self.pause()
             sample = self._receive()
             if sample is not None:
                 self._sample = sample
@@ -506,7 +527,7 @@ class Device(ABC):
     def _zero(self) -> bool:
         return self._guard(self._send_zero)
 
-    def _guard(self, call: Callable[[], None]) -> bool:
+    def _guard(self, call: Callable[[], object]) -> bool:
         """Run a hook on a path that must go on; whether it worked."""
         try:
             call()

@@ -23,6 +23,7 @@ class Control:
     """The host's end of an emulator's side channel."""
 
     def __init__(self, path: str | Path) -> None:
+        self.path = path
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._socket.settimeout(PATIENCE)
         try:

@@ -1,0 +1,131 @@
+"""Starting an emulator: choose board and link by name, say under which URL it is reached."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Self
+
+from cosim.errors import InputError
+from hil.emulators.board import Board
+from hil.emulators.control import Control
+from hil.emulators.links import Link, PtyLink
+from hil.emulators.plant import Hand, SimulatedPantograph
+from hil.emulators.server import Server
+from hil.emulators.world import World
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """What to emulate; everything in it can be sent to another process."""
+
+    name: str
+    lockstep: bool = False
+    tick: float = 1 / 1024
+    parameters: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """The simulated pantograph's parameters."""
+    hand: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Stiffness (N/m) and damping (N.s/m) of the hand that holds the handle."""
+    link: str = "pty"
+    options: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Of the board or of the bus."""
+
+
+def make(order: Order) -> tuple[Board, Link, str]:
+    """Board, link and URL of an emulator.
+
+    Raises:
+        InputError: there is no emulator of that name, or it has no such link.
+    """
+    if order.name not in BOARDS:
+        raise InputError(
+            f"there is no emulator '{order.name}'; there are {', '.join(sorted(BOARDS))}"
+        )
+    body = SimulatedPantograph(order.parameters, hand=Hand(**order.hand), step=order.tick)
+    return BOARDS[order.name](order, World(body, lockstep=order.lockstep))
+
+
+def _haply(_: Order, world: World) -> tuple[Board, Link, str]:
+    from hil.emulators.haply import HaplyBoard
+
+    link = PtyLink()
+    return HaplyBoard(world), link, f"haply://{link.path}"
+
+
+BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {"haply": _haply}
+
+
+def serve(order: Order, folder: Path, report: Callable[[dict[str, Any]], None]) -> None:
+    """Run an emulator in this process until it is told to stop; ``report`` gets its URL."""
+    board, link, url = make(order)
+    path = folder / "control"
+    server = Server(board, link, path, tick=order.tick)
+    joined = "&" if "?" in url else "?"
+    url += f"{joined}emulator={path}" + ("&lockstep=1" if order.lockstep else "")
+    report({"url": url, "control": str(path), "home": board.world.body.angle(), "pid": os.getpid()})
+    server.run()
+
+
+def _child(order: Order, folder: str, pipe: Connection) -> None:
+    try:
+        serve(order, Path(folder), pipe.send)
+    except Exception as error:
+        pipe.send({"error": f"{type(error).__name__}: {error}"})
+        raise
+
+
+class Emulator:
+    """An emulator in a process of its own, with its side channel."""
+
+    def __init__(self, order: Order, *, method: str = "forkserver") -> None:
+        context: Any = multiprocessing.get_context(method)
+        self._folder = tempfile.mkdtemp(prefix="cohaptic-")
+        ours, theirs = context.Pipe()
+        self._process: Any = context.Process(
+            target=_child, args=(order, self._folder, theirs), daemon=True
+        )
+        self._process.start()
+        theirs.close()
+        with closing(ours):
+            try:
+                said: dict[str, Any] = (
+                    ours.recv() if ours.poll(60) else {"error": "it says nothing"}
+                )
+            except EOFError:
+                said = {"error": "it died at once"}
+        if "error" in said:
+            self._end()
+            raise InputError(f"the emulator '{order.name}' did not start: {said['error']}")
+        self.url: str = said["url"]
+        self.home: tuple[float, float] = said["home"]
+        self.control = Control(said["control"])
+
+    def close(self) -> None:
+        """Stop it and remove its folder."""
+        try:
+            self.control.ask("stop")
+        except Exception:
+            self._process.terminate()
+        self.control.close()
+        self._end()
+
+    def _end(self) -> None:
+        self._process.join(5)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._process.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

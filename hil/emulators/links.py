@@ -1,0 +1,153 @@
+"""What connects an emulated board with its host: a pseudo-terminal, or a CAN bus."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tty
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+from hil.emulators.board import Frame, Unit
+
+
+class Link(ABC):
+    """One end of a wire; ``received`` counts what the host's driver counts as sent."""
+
+    def __init__(self) -> None:
+        self.received = 0
+
+    @abstractmethod
+    def fileno(self) -> int:
+        """What to wait on."""
+
+    @abstractmethod
+    def read(self) -> list[Unit]:
+        """What has come."""
+
+    @abstractmethod
+    def write(self, unit: Unit) -> None:
+        """Send an answer."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Pull the cable."""
+
+
+class PtyLink(Link):
+    """A pseudo-terminal: the host opens ``path`` as if it were a serial device."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.path = os.ttyname(self._slave)
+
+    def fileno(self) -> int:
+        """The master's descriptor."""
+        return self._master
+
+    def read(self) -> list[Unit]:
+        """The bytes that have come, as one chunk."""
+        try:
+            data = os.read(self._master, 65536)
+        except (BlockingIOError, OSError):
+            return []
+        self.received += len(data)
+        return [data] if data else []
+
+    def write(self, unit: Unit) -> None:
+        """Send bytes; a host that never reads loses them, as on a real line."""
+        assert isinstance(unit, bytes)
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._master, unit)
+
+    def close(self) -> None:
+        """The host's next read or write fails."""
+        for end in (self._slave, self._master):
+            with contextlib.suppress(OSError):
+                os.close(end)
+
+
+class SlcanLink(PtyLink):
+    """CAN frames as slcan text (LAWICEL) on a pseudo-terminal."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._text = b""
+
+    def read(self) -> list[Unit]:
+        """The frames that have come; commands to the adapter are acknowledged."""
+        frames: list[Unit] = []
+        for chunk in super().read():
+            assert isinstance(chunk, bytes)
+            self._text += chunk
+        *lines, self._text = self._text.split(b"\r")
+        for line in lines:
+            frame = parse_slcan(line)
+            if frame is not None:
+                frames.append(frame)
+        return frames
+
+    def write(self, unit: Unit) -> None:
+        """Send one frame as a line."""
+        assert isinstance(unit, Frame)
+        super().write(f"t{unit.identifier:03X}{len(unit.data)}{unit.data.hex()}\r".encode())
+
+
+def parse_slcan(line: bytes) -> Frame | None:
+    """A standard data (``t``) or remote (``r``) frame of a line; ``None`` for anything else."""
+    try:
+        if line[:1] == b"t":
+            data = bytes.fromhex(line[5:].decode("ascii"))
+            if len(data) != int(line[4:5]) or len(data) > 8:
+                return None
+            return Frame(int(line[1:4], 16), data)
+        if line[:1] == b"r":
+            return Frame(int(line[1:4], 16), remote=True)
+    except (ValueError, UnicodeDecodeError):
+        return None
+    return None
+
+
+class CanLink(Link):
+    """Any python-can bus; with ``udp_multicast`` its own frames come back and are left out."""
+
+    def __init__(self, own: Callable[[int], bool], **options: Any) -> None:
+        import can
+
+        super().__init__()
+        self._can: Any = can
+        self._own = own
+        self._bus: Any = can.Bus(**options)
+
+    def fileno(self) -> int:
+        """The bus's descriptor."""
+        return int(self._bus.fileno())
+
+    def read(self) -> list[Unit]:
+        """The frames that have come from others."""
+        frames: list[Unit] = []
+        while True:
+            message = self._bus.recv(0)
+            if message is None:
+                return frames
+            if self._own(message.arbitration_id) and not message.is_remote_frame:
+                continue
+            self.received += 1
+            frames.append(
+                Frame(message.arbitration_id, bytes(message.data), message.is_remote_frame)
+            )
+
+    def write(self, unit: Unit) -> None:
+        """Send one frame."""
+        assert isinstance(unit, Frame)
+        self._bus.send(
+            self._can.Message(arbitration_id=unit.identifier, data=unit.data, is_extended_id=False)
+        )
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._bus.shutdown()

@@ -1,0 +1,98 @@
+"""A driver on its emulator: what the suite needs to know of each, and how to bring both up."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from hil.address import parse
+from hil.component import REST_TICKS
+from hil.contract import ZERO, Measurement, Sent
+from hil.device import Device
+from hil.device_file import parse as parse_file
+from hil.emulators.launch import Emulator, Order
+from hil.permission import emulated
+from hil.registry import find
+
+TICK = Fraction(1, 1024)
+HAPLY = {"device": 1, "initial_tip_position": (0.019, 0.1)}
+QUANSER = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
+
+SETUPS: dict[str, dict[str, Any]] = {
+    "haply": {"parameters": HAPLY, "file": {"preset": "haply"}},
+}
+"""Per driver: the emulated pantograph's parameters, the device file, the emulator's options."""
+
+DRIVERS = sorted(SETUPS)
+
+
+@dataclass
+class Rig:
+    """A device and the emulator behind it."""
+
+    device: Device
+    emulator: Emulator
+    tick: int = 0
+
+    def exchange(self, ticks: int, command=ZERO) -> list[tuple[Measurement, Sent]]:
+        done = []
+        for _ in range(ticks):
+            measured = self.device.read(self.tick)
+            wanted = command(self.tick, measured) if callable(command) else command
+            done.append((measured, self.device.write(self.tick, wanted)))
+            self.tick += 1
+        return done
+
+    def truth(self) -> dict[str, Any]:
+        return self.emulator.control.ask("state")
+
+    def fault(self, kind: str, **values: int) -> None:
+        self.emulator.control.ask("fault", kind=kind, **values)
+
+
+class Bench:
+    """Everything that was started, to be closed."""
+
+    def __init__(self) -> None:
+        self._open: list[Any] = []
+
+    def emulator(self, name: str, *, lockstep: bool = True, **changes: Any) -> Emulator:
+        setup = SETUPS[name]
+        order = Order(
+            name=setup.get("emulator", name),
+            lockstep=lockstep,
+            parameters=setup["parameters"],
+            link=setup.get("link", "pty"),
+            options=setup.get("options", {}),
+            **changes,
+        )
+        emulator = Emulator(order)
+        self._open.append(emulator)
+        return emulator
+
+    def device(self, name: str, emulator: Emulator, *, output: bool = True, **options) -> Device:
+        kind = find(SETUPS[name].get("driver", name))
+        document = {"driver": kind.driver, "home": list(emulator.home), **SETUPS[name]["file"]}
+        device = kind(parse(emulator.url), parse_file(document), tick=TICK, **options)
+        if output:
+            device.permission = emulated(emulator.url, proved=True)
+        self._open.append(device)
+        return device
+
+    def rig(self, name: str, *, activate=True, output=True, hand=None, **options) -> Rig:
+        emulator = self.emulator(name, hand=hand or {})
+        made = Rig(self.device(name, emulator, output=output, **options), emulator)
+        made.device.configure()
+        made.device.home()
+        made.tick = -REST_TICKS
+        made.exchange(REST_TICKS)
+        if activate:
+            made.device.activate()
+        return made
+
+    def close(self) -> None:
+        for thing in reversed(self._open):
+            with suppress(Exception):
+                thing.close()

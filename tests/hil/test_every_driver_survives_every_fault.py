@@ -1,0 +1,86 @@
+"""Every driver and every fault, in lock-step: what happens, after how many ticks, is written down.
+
+The last test compares what was seen with the table in docs/safety.md.
+"""
+
+from __future__ import annotations
+
+import fault_table
+import pytest
+from driver_bench import DRIVERS, Bench
+
+from hil.contract import Outcome, State
+from hil.limits import DROP_TICKS
+
+TICKS = 120
+LONGEST = {"runaway": 200, "latched": 200}
+
+FAULTS = {
+    "one answer lost": ("drop", {"ticks": 1}),
+    "answers lost for 5 ticks": ("drop", {"ticks": 5}),
+    "answers lost for good": ("drop", {}),
+    "one byte (frame) to the device lost": ("drop-command", {"ticks": 1}),
+    "a bit of an answer flipped": ("corrupt", {"ticks": 1, "bit": 0}),
+    "a bit of a command flipped": ("corrupt-command", {"ticks": 1, "bit": 0}),
+    "answers 1 tick late": ("delay", {"ticks": 40, "delay": 1}),
+    "answers 5 ticks late": ("delay", {"ticks": 40, "delay": 5}),
+    "board hangs": ("hang", {}),
+    "unplugged": ("unplug", {}),
+    "motors run away": ("runaway", {}),
+    "torque latched": ("latched", {}),
+}
+SEEN: fault_table.Table = {}
+UNNOTICED = {"one answer lost", "answers 1 tick late", "torque latched", "answers lost for 5 ticks"}
+
+
+def words(rig, ticks_to_fault: int | None, oldest: int) -> str:
+    device = rig.device
+    if ticks_to_fault is None:
+        return f"goes on, data at most {oldest} ticks old" if oldest else "not noticed"
+    assert device.fault is not None
+    outcome = {
+        Outcome.ZERO_CONFIRMED: f"zero confirmed in {ticks_to_fault + device.outcome_ticks} ticks",
+        Outcome.WATCHDOG: "device watchdog",
+        Outcome.UNKNOWN: "**output unknown**, cut the power",
+    }[device.outcome]
+    return f"fault ({device.fault.cause}) in {ticks_to_fault} ticks; {outcome}"
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("name", DRIVERS)
+def test_outcome(name: str, fault: str, bench: Bench):
+    rig = bench.rig(name, hand={"stiffness": 20.0, "damping": 0.3})
+    rig.exchange(500, (0.01, -0.01))
+    assert rig.device.state is State.ACTIVE, rig.device.fault_sentence()
+    kind, values = FAULTS[fault]
+    rig.fault(kind, **values)
+    faulted, oldest = None, 0
+    for passed in range(LONGEST.get(kind, TICKS)):
+        (exchanged,) = rig.exchange(1, (0.01, -0.01))
+        oldest = max(oldest, exchanged[0].sample_age)
+        if rig.device.state is State.FAULT:
+            faulted = passed if faulted is None else faulted
+            assert exchanged[1].torque == (0.0, 0.0), "zero in the very tick"
+    device = rig.device
+    if faulted is None:
+        assert fault in UNNOTICED, "this fault has to be noticed"
+        assert oldest <= DROP_TICKS
+    else:
+        assert device.settled
+        truth = rig.truth()
+        if device.outcome is Outcome.ZERO_CONFIRMED:
+            assert truth["torque"] == [0.0, 0.0], "confirmed has to mean true"
+        if device.outcome is Outcome.WATCHDOG:
+            rig.emulator.control.ask("advance", ticks=40)
+            assert rig.truth()["torque"] == [0.0, 0.0]
+        if device.outcome is Outcome.UNKNOWN:
+            assert "cut the power" in device.fault_sentence()
+        rig.exchange(20, (0.01, -0.01))
+        assert device.state is State.FAULT, "latched"
+    SEEN[name, fault] = words(rig, faulted, oldest)
+
+
+def test_the_safety_page_says_what_was_seen():
+    if len(SEEN) < len(DRIVERS) * len(FAULTS):
+        pytest.skip("only part of the suite ran")
+    fault_table.check(SEEN)
