@@ -193,7 +193,7 @@ def test_an_error_while_writing_becomes_a_fault_whose_output_is_unknown_or_left_
     puppet = Failing(after=50)
     device = rested(mock(puppet))
     device.activate()
-    run(device, 30, (0.005, 0.0))
+    run(device, 60, (0.005, 0.0))
     assert device.state is State.FAULT
     assert device.outcome is Outcome.WATCHDOG
     with pytest.raises(DeviceFault, match="watchdog"):
@@ -201,7 +201,7 @@ def test_an_error_while_writing_becomes_a_fault_whose_output_is_unknown_or_left_
     type(device).watchdog, kept = Device.watchdog, type(device).watchdog
     try:
         device.outcome, device.outcome_ticks = Outcome.PENDING, 0
-        run(device, 30)
+        run(device, 60)
         with pytest.raises(DeviceFault, match="cut the power"):
             device.raise_fault()
     finally:
