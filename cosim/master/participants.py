@@ -78,7 +78,7 @@ def _read_fmu(written: scenarios.Component, clock: Clock, problems: Problems) ->
     if written.is_bundled:
         import fmus
 
-        path = fmus.find(written.source)
+        path = fmus.find(written.source, written.flavour)
     else:
         path = Path(written.source)
     description = read_description(path)

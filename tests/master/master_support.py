@@ -1,20 +1,27 @@
-"""Scenarios from text, runs into memory."""
+"""Scenarios from text or mappings, runs into memory."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 from cosim.master.recording import MemorySink
 from cosim.master.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
 
 
-def scenario_of(folder: Path, text: str, sets: Sequence[str] = ()) -> Scenario:
-    """A scenario from YAML; the first line ``cohaptic: 1`` is added."""
+def scenario_of(
+    folder: Path, written: str | Mapping[str, Any], sets: Sequence[str] = ()
+) -> Scenario:
+    """A scenario from YAML or a mapping; ``cohaptic: 1`` is added."""
     path = folder / "test.yaml"
-    path.write_text("cohaptic: 1\n" + dedent(text))
+    if isinstance(written, str):
+        path.write_text("cohaptic: 1\n" + dedent(written))
+    else:
+        path.write_text(json.dumps({"cohaptic": 1, **written}))
     return load(path, sets=list(sets))
 
 
