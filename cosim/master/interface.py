@@ -90,10 +90,15 @@ class Interface:
     def select(self, path: str) -> Selection:
         """What ``path`` stands for: a variable, an array, a terminal or a dotted group.
 
+        A terminal comes before a parameter of the same name, because no parameter is connected.
+
         Raises:
             InputError: there is nothing of that name.
         """
         variable = self.variables.get(path)
+        hidden = variable is not None and variable.causality is Causality.PARAMETER
+        if path in self.terminals and (variable is None or hidden):
+            return Selection("terminal", dict(self._terminal(path)), named=True)
         if variable is not None and not has_cells(variable):
             raise InputError(
                 f"{self.component}.{path} is a {variable.type} variable; only numbers, booleans "
@@ -114,8 +119,6 @@ class Interface:
         if array:
             ordered = sorted(array, key=lambda text: [int(i) for i in text.split(",")])
             return Selection("array", {f"[{i}]": array[i] for i in ordered}, named=False)
-        if path in self.terminals:
-            return Selection("terminal", dict(self._terminal(path)), named=True)
         prefix = f"{path}."
         group = {
             name.removeprefix(prefix): element
