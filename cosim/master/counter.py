@@ -30,7 +30,8 @@ def draws(key: int, purpose: int, first: int, count: int) -> NDArray[np.uint64]:
     ``purpose`` separates the several draws that one packet needs.
     """
     counters = np.arange(first, first + count, dtype=np.uint64)
-    stream = _mix(np.array([key], dtype=np.uint64) + np.uint64(purpose + 1) * _GOLDEN)
+    steps = np.array([purpose + 1], dtype=np.uint64) * _GOLDEN
+    stream = _mix(np.array([key], dtype=np.uint64) + steps)
     return _mix(stream + (counters + np.uint64(1)) * _GOLDEN)
 
 
