@@ -29,11 +29,9 @@ class NativeBuildHook(BuildHookInterface[Any]):
 
             for name in build_all():
                 self.app.display_info(f"Built the FMUs of {name}")
-            kernel = root / "cosim" / "master" / "build.py"
-            if kernel.is_file():
-                build_kernel = _load(kernel).build_kernel
-                for platform in PLATFORMS:
-                    build_kernel(platform)
+            kernel = _load(root / "cosim" / "master" / "build.py")
+            for platform in PLATFORMS:
+                kernel.build_kernel(platform)
         finally:
             sys.path.remove(str(root))
         build_data["artifacts"] += [

@@ -15,18 +15,12 @@ def find(name: str, flavour: str = "fmi3") -> Path:
     Raises:
         InputError: there is no such model, or its FMU is missing or older than its sources.
     """
-    from difflib import get_close_matches
-
     from cosim.errors import InputError
     from fmus.archive import FLAVOURS
 
     if flavour not in FLAVOURS:
         raise InputError(f"There is no FMU flavour '{flavour}'; use one of {', '.join(FLAVOURS)}.")
-    names = model_names()
-    if name not in names:
-        close = get_close_matches(name, names, 1)
-        hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(names)}."
-        raise InputError(f"There is no model '{name}'; {hint}")
+    check_name(name)
     path = _FOLDER / "_built" / f"{name}.{flavour}.fmu"
     if is_checkout():
         _refuse_stale(name, path)
@@ -38,6 +32,20 @@ def find(name: str, flavour: str = "fmi3") -> Path:
 def model_names() -> tuple[str, ...]:
     """The names of all models, in alphabetical order."""
     return tuple(sorted(path.parent.name for path in _FOLDER.glob("*/variables.py")))
+
+
+def check_name(name: str) -> None:
+    """Refuse a name that none of our models has.
+
+    Raises:
+        InputError: with the name that may have been meant.
+    """
+    from cosim.errors import InputError
+    from cosim.suggest import did_you_mean
+
+    names = model_names()
+    if name not in names:
+        raise InputError(f"There is no model '{name}'.{did_you_mean(name, names)}")
 
 
 def is_checkout() -> bool:

@@ -29,15 +29,13 @@ def fmu_bytes(
     files: dict[str, bytes] = {}
     if flavour == "fmi2":
         files["modelDescription.xml"] = description2.model_description(model, token=token)
-        terminals_file = f"extra/{description3.TERMINALS_FILE}"
     else:
         files["modelDescription.xml"] = description3.model_description(
             model, token=token, arrays=arrays
         )
-        terminals_file = description3.TERMINALS_FILE
     terminals = description3.terminals(model, arrays=arrays)
     if terminals is not None:
-        files[terminals_file] = terminals
+        files[description3.TERMINALS_FILE] = terminals
     for platform in PLATFORMS:
         if platform.name not in libraries:
             continue

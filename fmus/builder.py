@@ -29,6 +29,7 @@ from fmus.compiler import (
     host_platform,
 )
 from fmus.header import description_source, variables_header
+from fmus.symbols import fmi_functions, problems_of
 from fmus.table import Model
 
 FOLDER = Path(__file__).resolve().parent
@@ -143,7 +144,10 @@ def build_fmus(
         def compile_for(platform: Platform) -> bytes:
             path = scratch / platform.name / f"{model.name}{platform.suffix}"
             compile_library(platform, path, files, include=_INCLUDE)
-            return path.read_bytes()
+            image = path.read_bytes()
+            if problems := problems_of(image, platform.name, _fmi_functions()):
+                raise BuildError(f"{path.name} for {platform.name}: {'; '.join(problems)}.")
+            return image
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             libraries = dict(zip(names, pool.map(compile_for, platforms), strict=True))
@@ -201,6 +205,11 @@ def support_files() -> list[Path]:
     return [FOLDER / "fmi" / name for name in _SUPPORT] + sorted(
         (FOLDER / "libm" / "musl").glob("*.c")
     )
+
+
+@cache
+def _fmi_functions() -> frozenset[str]:
+    return fmi_functions(FOLDER / "fmi" / "headers")
 
 
 def _glue_files() -> list[Path]:

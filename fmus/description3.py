@@ -69,6 +69,8 @@ def model_description(model: Model, *, token: str, arrays: bool) -> bytes:
 def terminals(model: Model, *, arrays: bool) -> bytes | None:
     """``terminalsAndIcons.xml``, or ``None`` for a model without terminals.
 
+    FMI 2.0 knows no terminals; its archives carry the file all the same, for who looks for it.
+
     Members keep the index of an array in scalar archives: ``joint_angle[1]``.
     """
     if not model.terminals:
