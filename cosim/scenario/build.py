@@ -39,8 +39,8 @@ def build(root: Node, file: Path) -> Scenario:
     members = {key: node for key, node in root.value.items() if not key.startswith("x-")}
     root = Node(members, root.place, root.key_place, root.removed)
     problems = Problems(root)
-    document, kept = _validate(root, problems)
-    context = Context(root=root, problems=problems, document=document, kept=kept)
+    context = _validate(root, problems)
+    document = context.document
     timebase = _timebase(context)
     context.timebase = timebase
     _check_names(context)
@@ -75,14 +75,17 @@ def build(root: Node, file: Path) -> Scenario:
     )
 
 
-def _validate(root: Node, problems: Problems) -> tuple[Document, dict[str, list[int]]]:
-    """The document without its bad members, which are reported, and the index of kept items."""
+def _validate(root: Node, problems: Problems) -> Context:
+    """The document without its bad members, which are reported."""
     reported: set[tuple[PathKey, ...]] = set()
     dropped: set[tuple[PathKey, ...]] = set()
     while True:
         plain, kept = _without(root.plain(), dropped)
         try:
-            return Document.model_validate({**PLACEHOLDERS, **plain}), kept
+            document = Document.model_validate(plain)
+            return Context(
+                root=root, problems=problems, document=document, kept=kept, doubtful=reported
+            )
         except ValidationError as error:
             before = len(dropped)
             for finding in error.errors(include_url=False):
@@ -115,6 +118,7 @@ def _without(
                 inner = cast("Any", inner)[key]
         if isinstance(inner, dict):
             cast("dict[PathKey, Any]", inner).pop(path[-1], None)
+    plain |= {key: PLACEHOLDERS[key] for key in PLACEHOLDERS if (key,) in dropped}
     kept: dict[str, list[int]] = {}
     for key in LISTS:
         items = plain.get(key)
@@ -185,7 +189,11 @@ def _components(context: Context) -> dict[str, Component]:
         name: build_component(context, name, form)
         for name, form in context.document.components.items()
     }
-    return {name: component for name, component in built.items() if component is not None}
+    return {
+        name: component
+        for name, component in built.items()
+        if component is not None and ("components", name) not in context.doubtful
+    }
 
 
 def _channels(context: Context, components: dict[str, Component]) -> dict[str, Channel]:
@@ -195,15 +203,15 @@ def _channels(context: Context, components: dict[str, Component]) -> dict[str, C
     for name, form in context.document.channels.items():
         path = ("channels", name)
         first, second = form.between
+        unknown = [end for end, station in enumerate(form.between) if station not in known]
         if first == second:
             context.problems.add((*path, "between"), f"both ends are the station {first}.")
-        for end, station in enumerate(form.between):
-            if complete and station not in known:
-                hint = did_you_mean(station, known)
-                message = f"no component is in the station '{station}'.{hint}"
-                context.problems.add((*path, "between", end), message)
+        for end in unknown if complete else ():
+            hint = did_you_mean(form.between[end], known)
+            message = f"no component is in the station '{form.between[end]}'.{hint}"
+            context.problems.add((*path, "between", end), message)
         rate = context.rate(form.rate, path)
-        if rate is None or rate in context.refused:
+        if rate is None or rate in context.refused or first == second or (unknown and complete):
             continue
         period = context.timebase.period(rate)
         try:

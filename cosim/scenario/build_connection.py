@@ -28,7 +28,8 @@ def build_connection(
         context.problems.add((*path, "via"), f"there is no channel '{form.via}'.{hint}")
         return None
     source, target = components.get(form.source.component), components.get(form.target.component)
-    about = channels.get(form.source.component)
+    is_about = form.source.component not in context.names("components")
+    about = channels.get(form.source.component) if is_about else None
     if not known or target is None or (source is None and about is None):
         return None
     if about is not None:

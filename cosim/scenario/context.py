@@ -22,6 +22,8 @@ class Context:
     document: Document
     kept: dict[str, list[int]]
     """By list section, the written index of each item of the document that is left."""
+    doubtful: set[tuple[PathKey, ...]] = field(default_factory=set[tuple[PathKey, ...]])
+    """Members with a problem already: nothing more follows from what they seem to say."""
     timebase: Timebase = field(default_factory=lambda: Timebase(Fraction(1)))
     refused: set[Fraction] = field(default_factory=set[Fraction])
     """Rates that do not fit; reported already."""

@@ -40,14 +40,15 @@ def find_file(
         InputError: nothing of that name, or a folder.
     """
     text = fspath(name)
-    path = (beside or Path()) / Path(text).expanduser()
     try:
-        if path.is_file():
-            return path
-        if path.is_dir():
-            raise InputError(f"{text} is a folder, not a scenario file.", location)
-    except (OSError, ValueError):
+        path = (beside or Path()) / Path(text).expanduser()
+        is_file, is_folder = path.is_file(), path.is_dir()
+    except (OSError, ValueError, RuntimeError):
         raise InputError(f"'{text}' cannot be the name of a file.", location) from None
+    if is_file:
+        return path
+    if is_folder:
+        raise InputError(f"{text} is a folder, not a scenario file.", location)
     bundled = text.replace("\\", "/").removeprefix("scenarios/").removesuffix(".yaml")
     known = bundled_names()
     for candidate in (bundled, f"presets/{bundled}"):

@@ -93,9 +93,8 @@ def _sentence(kind: str, value: Any, context: Mapping[str, Any]) -> str | None:
     if kind in wanted:
         return f"this must be {wanted[kind]}, not {describe(value)}."
     if kind == "literal_error":
-        hint = did_you_mean(
-            str(value), context["expected"].replace("'", "").split(" or "), listed=0
-        )
+        choices = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
+        hint = did_you_mean(str(value), choices, listed=0)
         return f"this must be {context['expected']}, not {describe(value)}.{hint}"
     limits = {
         "greater_than_equal": f"at least {context.get('ge')}",
