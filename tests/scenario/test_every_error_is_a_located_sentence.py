@@ -360,7 +360,7 @@ def test_a_file_that_is_no_text_or_no_mapping(
         "": "s.yaml:1:1: a scenario file is a mapping, 'key: value' lines.",
         "- a": "s.yaml:1:1: a scenario file is a mapping, 'key: value' lines.",
         "just text": "s.yaml:1:1: a scenario file is a mapping, 'key: value' lines.",
-        "[" * 2000: "s.yaml:1:1: nested too deeply to be a scenario.",
+        "[" * 1000: "s.yaml:1:1: nested too deeply to be a scenario.",
         "a: &a [*a]": "s.yaml:1:4: the anchor &a contains itself.",
     }.items():
         with pytest.raises(InputError) as caught:
