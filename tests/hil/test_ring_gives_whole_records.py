@@ -38,13 +38,13 @@ def test_every_record_is_read_once_or_counted_lost(actions):
 def test_a_reader_in_another_process_never_sees_a_torn_record():
     ring = Ring.create(16, capacity=4)
     try:
+        reader, last, seen = Reader(ring), -1.0, 0
         child = os.fork()
         if child == 0:
             mine = Ring(ring.path)
             for number in range(20_000):
                 mine.write(np.full(16, float(number)))
             os._exit(0)
-        reader, last, seen = Reader(ring), -1.0, 0
         while True:
             for row in reader.read():
                 assert (row == row[0]).all()
