@@ -56,7 +56,8 @@ MISTAKES = {
         "2 s",
         "2 Hz",
         (
-            "s.yaml:3:11: duration: '2 Hz' is in Hz, which does not convert to s. Write a time, such "
+            "s.yaml:3:11: duration: '2 Hz' is in Hz, which does not convert to s. Write a time, "
+            "such "
             "as 10, "
             "'2.44 ms' or '2 min'."
         ),
