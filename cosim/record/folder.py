@@ -29,7 +29,14 @@ def new_folder(scenario: str, out: Path | None = None) -> Path:
         ) from error
 
 
-def _given(out: Path) -> Path:
+def check_folder(out: Path | None) -> None:
+    """Refuse a folder that a run cannot go into; nothing is created.
+
+    Raises:
+        InputError: ``out`` is a file or not empty.
+    """
+    if out is None:
+        return
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is a file; --out takes a folder for the run.")
     if out.is_dir() and any(out.iterdir()):
@@ -37,6 +44,10 @@ def _given(out: Path) -> Path:
             f"{out}: is not empty, and a run is never written over another. "
             "Choose a new folder with --out, or remove this one."
         )
+
+
+def _given(out: Path) -> Path:
+    check_folder(out)
     out.mkdir(parents=True, exist_ok=True)
     return out
 

@@ -22,6 +22,7 @@ from cosim.errors import InputError
 from cosim.master.recording import Column
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
+from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.suggest import did_you_mean
 
 RUN_FILE = "run.h5"
@@ -143,6 +144,13 @@ class Signal:
         """The values of rows ``start`` to ``stop``, piece by piece."""
         for first, last in self.group.pieces(start, stop):
             yield self[first:last]
+
+    def summary(self) -> ColumnSummary:
+        """Statistics and envelope, from one pass over the file."""
+        statistics = ColumnStatistics(np.array([self.is_float]), max(1, self.group.rows))
+        for block in self.blocks():
+            statistics.update(np.ascontiguousarray(block).view(np.int64)[None])
+        return statistics.summary(0)
 
 
 class Run:

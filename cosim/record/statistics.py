@@ -39,6 +39,19 @@ class Statistics:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class ColumnSummary:
+    """One column's statistics and its envelope.
+
+    ``lows`` and ``highs`` hold the extremes of each bin of ``rows_per_bin`` rows, shape (bins,).
+    """
+
+    statistics: Statistics
+    lows: NDArray[np.float64]
+    highs: NDArray[np.float64]
+    rows_per_bin: int
+
+
 class ColumnStatistics:
     """Accumulates a group's columns over blocks of rows.
 
@@ -85,11 +98,13 @@ class ColumnStatistics:
         self._merge_moments(values)
         self.rows += rows
 
-    def envelope(self, column: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Least and greatest value in each bin of ``rows_per_bin`` rows so far, shape (bins,)."""
+    def summary(self, column: int) -> ColumnSummary:
+        """The statistics and the envelope of one column so far."""
         bins = -(-self.rows // self.rows_per_bin)
         place = self._place[column]
-        return self._lows[place, :bins], self._highs[place, :bins]
+        return ColumnSummary(
+            self[column], self._lows[place, :bins], self._highs[place, :bins], self.rows_per_bin
+        )
 
     def __getitem__(self, column: int) -> Statistics:
         """The statistics of one column so far."""

@@ -11,6 +11,7 @@ import errno
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 from io import FileIO
 from pathlib import Path
@@ -23,7 +24,7 @@ from cosim.errors import RunError
 from cosim.master.recording import RecordGroup
 from cosim.record.compact import compact
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, rows_in, write_cells
-from cosim.record.statistics import ColumnStatistics
+from cosim.record.statistics import ColumnStatistics, ColumnSummary
 
 BLOCK_BYTES = 1 << 21
 BLOCK_ROWS = (16, 4096)
@@ -43,6 +44,8 @@ class Recorder:
         self.groups: tuple[RecordGroup, ...] = ()
         self.base_rate = Fraction(1)
         self.statistics: tuple[ColumnStatistics, ...] = ()
+        self.drain_time = 0.0
+        """How long the loop's end was ahead of the file (s), after ``close``."""
         self._streams: list[_Stream] = []
         self._full: SimpleQueue[_Block | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
@@ -54,13 +57,17 @@ class Recorder:
         Raises:
             RunError: the file cannot be created.
         """
-        self.groups, self.base_rate = tuple(groups), base_rate
+        rows = [rows_in(self.ticks, group.period) for group in groups]
         try:
-            rows = [rows_in(self.ticks, group.period) for group in groups]
             layouts = lay_out(self.path, groups, base_rate, rows)
             file = self.path.open("r+b", buffering=0)
-        except OSError as error:
-            raise self._refusal(error) from error
+        except BaseException as error:  # also Ctrl-C: half a frame is no file
+            with suppress(OSError):
+                self.path.unlink(missing_ok=True)
+            if isinstance(error, OSError):
+                raise self._refusal(error) from error
+            raise
+        self.groups, self.base_rate = tuple(groups), base_rate
         self._streams = [
             _Stream(group, layout) for group, layout in zip(groups, layouts, strict=True)
         ]
@@ -69,6 +76,11 @@ class Recorder:
             target=self._write_blocks, args=(file,), name="recorder", daemon=True
         )
         self._thread.start()
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether there is a file to read, be it without rows."""
+        return bool(self._streams)
 
     def buffer(self, group: int, rows: int) -> NDArray[np.int64]:
         """Room for the next ``rows`` rows of a group, shape (rows, columns), C order.
@@ -104,6 +116,19 @@ class Recorder:
         """Rows of each group that are in the file; all that were committed, after ``close``."""
         return tuple(stream.written for stream in self._streams)
 
+    def summaries(self) -> dict[str, ColumnSummary]:
+        """Statistics and envelope of every signal, taken on the way; after ``close``.
+
+        Of a signal recorded at several rates, those of the fastest.
+        """
+        found: dict[str, ColumnSummary] = {}
+        order = sorted(zip(self.groups, self.statistics, strict=True), key=lambda g: -g[0].period)
+        for group, statistics in order:
+            found |= {
+                column.name: statistics.summary(index) for index, column in enumerate(group.columns)
+            }
+        return found
+
     def close(self) -> None:
         """Write what is left, stop the thread and cut the file to what was reached.
 
@@ -116,7 +141,9 @@ class Recorder:
         for stream in self._streams:
             self._submit(stream)
         self._full.put(None)
+        began = time.perf_counter()
         thread.join()
+        self.drain_time = time.perf_counter() - began
         if self._error is not None:
             raise self._error
         try:

@@ -35,6 +35,7 @@ class ScenarioMeasure:
     unit: str
     description: str
     function: Callable[[Run, Platform, TickRange | None], float | None]
+    of_hold_phase: bool = False
 
     def take(self, run: Run, window: TickRange | None = None) -> float | None:
         """Measure over a window, or over the range that the measure itself chooses."""
@@ -163,18 +164,28 @@ def _ever(run: Run, contact: Contact) -> bool:
 
 SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
     "contact_losses": ScenarioMeasure(
-        "", "contacts that ended in the hold phase, over all fingers and copies", _contact_losses
+        "",
+        "contacts that ended in the hold phase, over all fingers and copies",
+        _contact_losses,
+        of_hold_phase=True,
     ),
     "held_fraction": ScenarioMeasure(
-        "", "share of the hold phase in which every finger is in contact", _held_fraction
+        "1",
+        "share of the hold phase in which every finger is in contact",
+        _held_fraction,
+        of_hold_phase=True,
     ),
     "grip_force": ScenarioMeasure(
-        "N", "mean normal force in the hold phase, of the weakest contact", _grip_force
+        "N",
+        "mean normal force in the hold phase, of the weakest contact",
+        _grip_force,
+        of_hold_phase=True,
     ),
     "force_ripple": ScenarioMeasure(
         "N",
         "rms deviation of the normal force from its mean in the hold phase, of the worst contact",
         _force_ripple,
+        of_hold_phase=True,
     ),
     "drift": ScenarioMeasure("m", "largest distance between two copies of the box", _drift),
     "drift_rms": ScenarioMeasure("m", "rms distance between two copies of the box", _drift_rms),

@@ -34,7 +34,8 @@ class Contact:
         return re.fullmatch(r"finger_\d+", self.finger) is not None
 
     def __str__(self) -> str:
-        return f"{self.copy} {self.finger.replace('_', ' ')}"
+        remote = "" if self.is_own else ","
+        return f"{self.copy}{remote} {self.finger.replace('_', ' ')}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,7 +64,8 @@ def test_the_envelope_holds_each_bins_extremes(
     values = np.random.default_rng(seed).normal(size=rows)
     statistics = ColumnStatistics(np.array([True]), rows + spare)
     feed(statistics, values.view(np.int64)[None], [int(cut * rows) for cut in cuts])
-    lows, highs = statistics.envelope(0)
+    summary = statistics.summary(0)
+    lows, highs = summary.lows, summary.highs
     width = statistics.rows_per_bin
     bins = [values[first : first + width] for first in range(0, rows, width)]
     assert lows.tolist() == [part.min() for part in bins]

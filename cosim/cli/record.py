@@ -1,0 +1,123 @@
+"""``cohaptic record``: look into a run folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+RUN = click.argument("run", type=click.Path(path_type=Path))
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+
+
+@click.group("record")
+def command() -> None:
+    """Look into run folders: what is in them, whether two are equal, other formats."""
+
+
+@command.command("digest")
+@click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
+@JSON
+def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
+    """Print a hash over ticks, names, units and values: equal runs have equal digests."""
+    from cosim.record import digest, open_run
+
+    found: dict[str, str] = {}
+    for folder in runs:
+        with open_run(folder) as run:
+            found[str(folder)] = digest(run)
+    if as_json:
+        click.echo(json.dumps({"digests": found, "equal": len(set(found.values())) == 1}))
+    else:
+        for name, value in found.items():
+            click.echo(f"{value}  {name}")
+
+
+@command.command("summary")
+@RUN
+@JSON
+def summary_command(run: Path, *, as_json: bool) -> None:
+    """Print the summary of a run; that of one that was killed is computed from its record."""
+    from cosim.record import open_run
+    from cosim.report.summary import read_summary, summarise
+
+    summary = read_summary(run)
+    if summary is None:
+        with open_run(run) as opened:
+            summary = summarise(opened)
+    click.echo(json.dumps(summary.content) if as_json else summary.text())
+
+
+@command.command("list")
+@RUN
+@JSON
+def list_command(run: Path, *, as_json: bool) -> None:
+    """List the recorded signals with their rates, units and descriptions."""
+    from cosim.record import open_run
+
+    with open_run(run) as opened:
+        if as_json:
+            content = {
+                "base_rate": str(opened.base_rate),
+                "ticks": opened.ticks,
+                "groups": {
+                    group.name: {
+                        "rate": str(group.rate),
+                        "period": group.period,
+                        "rows": group.rows,
+                        "signals": {
+                            signal.name: {
+                                "unit": signal.unit,
+                                "type": "float64" if signal.is_float else "int64",
+                                "description": signal.description,
+                            }
+                            for signal in group.signals.values()
+                        },
+                    }
+                    for group in opened.groups.values()
+                },
+            }
+            click.echo(json.dumps(content))
+            return
+        for group in opened.groups.values():
+            click.echo(f"{group.name}: {group.rate} Hz, {group.rows} rows")
+            width = max((len(name) for name in group.signals), default=0)
+            for signal in group.signals.values():
+                line = f"  {signal.name.ljust(width)}  {signal.unit:8}  {signal.description}"
+                click.echo(line.rstrip())
+
+
+@command.command("export")
+@RUN
+@click.option("--format", "kind", default="csv", help="csv, mat or parquet. [default: csv]")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder. [default: export in the run's folder]"
+)
+@click.option("--held", is_flag=True, help="One table at the fastest rate, slower signals held.")
+@JSON
+def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_json: bool) -> None:
+    """Write a run as csv, mat or parquet; held signals stay held, nothing is interpolated."""
+    from cosim.record import open_run
+    from cosim.record.export import export
+
+    with open_run(run) as opened:
+        paths = export(opened, kind, out or opened.folder / "export", held=held)
+    if as_json:
+        click.echo(json.dumps({"files": [str(path) for path in paths]}))
+    else:
+        for path in paths:
+            click.echo(str(path))
+
+
+@command.command("compact")
+@RUN
+def compact_command(run: Path) -> None:
+    """Cut the datasets of a run that was killed to the rows that it reached."""
+    from cosim.record.compact import compact
+    from cosim.record.reader import RUN_FILE, open_run
+
+    with open_run(run) as opened:
+        path = opened.folder / RUN_FILE
+    done = compact(path)
+    click.echo(f"{path}: {'cut to what was reached' if done else 'nothing was cut'}")

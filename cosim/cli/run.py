@@ -1,0 +1,102 @@
+"""``cohaptic run``: a scenario, its record, its summary and its figure."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from cosim.master.simulation import Progress
+    from cosim.scenario import Scenario
+
+
+@click.command("run")
+@click.argument("scenario")
+@click.option(
+    "--with",
+    "overlays",
+    multiple=True,
+    metavar="FILE",
+    help="Lay another file over the scenario; may be repeated.",
+)
+@click.option(
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="A.B=C",
+    help="Change one value, such as channels.lan.round_trip_delay=2; may be repeated.",
+)
+@click.option("--duration", metavar="TIME", help="Simulated time, instead of the scenario's (s).")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for the run; new or empty. [default: runs/<scenario>-<n>]",
+)
+@click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
+def command(
+    scenario: str,
+    overlays: tuple[str, ...],
+    sets: tuple[str, ...],
+    duration: str | None,
+    out: Path | None,
+    *,
+    figure: bool,
+    as_json: bool,
+) -> None:
+    """Run SCENARIO, a file or the name of a bundled one, and record it.
+
+    Exit status: 0 good; 1 the run failed, was interrupted, or an expectation was not met;
+    2 something that was given cannot be used.
+    """
+    from cosim.scenario import load
+    from cosim.session import run_scenario
+
+    if duration is not None:
+        sets = (*sets, f"duration={duration}")
+    loaded = load(scenario, overlays, sets)
+    with _progress(loaded) as progress:
+        finished = run_scenario(loaded, out, progress=progress, figure=figure)
+    if as_json:
+        import json
+
+        click.echo(json.dumps(finished.summary.content))
+        click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
+    else:
+        click.echo(finished.summary.text())
+    sys.exit(finished.summary.status)
+
+
+@contextmanager
+def _progress(scenario: Scenario) -> Generator[Progress | None]:
+    """A bar on a terminal's stderr with the simulated time and the real-time factor."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    rate = float(scenario.base_rate)
+    end = scenario.ticks / rate
+    bar = Progress(
+        TextColumn(scenario.name),
+        BarColumn(),
+        TextColumn("{task.fields[note]}"),
+        console=Console(stderr=True),
+        transient=True,
+        auto_refresh=False,
+    )
+    with bar:
+        task = bar.add_task("", total=scenario.ticks, note="")
+
+        def show(ticks: int, wall_time: float) -> None:
+            factor = ticks / rate / wall_time if wall_time else 0.0
+            note = f"{ticks / rate:.1f} of {end:g} s · {factor:.3g} × real time"
+            bar.update(task, completed=ticks, note=note, refresh=True)
+
+        yield show

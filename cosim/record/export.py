@@ -1,0 +1,182 @@
+"""A run in other formats. Nothing is interpolated: each group keeps its own rows and ticks.
+
+``csv`` and ``parquet`` get one file for each group, ``mat`` one file with a struct for each group;
+a file's first columns are the base tick and the time (s). With ``held`` everything is put on the
+fastest group's rows instead, slower signals held as they were, in one table.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import InputError
+from cosim.record.reader import Run, Signal, Values
+
+MATLAB_NAME_LENGTH = 63
+"""Longest name of a struct's field in MATLAB."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Signals that share their rows; ``period`` is in base ticks."""
+
+    name: str
+    run: Run
+    period: int
+    rows: int
+    signals: tuple[Signal, ...]
+
+    def ticks(self, first: int, last: int) -> NDArray[np.int64]:
+        """Base ticks of rows ``first`` to ``last``."""
+        return np.arange(first, last, dtype=np.int64) * self.period
+
+    def values(self, signal: Signal, first: int, last: int) -> Values:
+        """A signal's values in rows ``first`` to ``last``, held where it is slower."""
+        if signal.group.period == self.period:
+            return signal[first:last]
+        rows = self.ticks(first, last) // signal.group.period
+        return signal[int(rows[0]) : int(rows[-1]) + 1][rows - rows[0]]
+
+    def pieces(self) -> Iterator[tuple[int, int]]:
+        """Ranges of rows that fit into memory whatever the number of signals."""
+        size = max(1, (1 << 20) // (len(self.signals) + 2))
+        for first in range(0, self.rows, size):
+            yield first, min(first + size, self.rows)
+
+
+def export(run: Run, kind: str, folder: Path, *, held: bool = False) -> list[Path]:
+    """Write a run in ``kind`` into ``folder``; returns the files.
+
+    Raises:
+        InputError: the kind is unknown, or the package that it needs is not installed.
+    """
+    if kind not in EXPORTERS:
+        raise InputError(f"{kind}: is no export format; there are {', '.join(EXPORTERS)}.")
+    folder.mkdir(parents=True, exist_ok=True)
+    tables = [_held_table(run)] if held else _tables(run)
+    return EXPORTERS[kind](tables, folder)
+
+
+def _tables(run: Run) -> list[Table]:
+    return [
+        Table(name, run, group.period, group.rows, tuple(group.signals.values()))
+        for name, group in run.groups.items()
+    ]
+
+
+def _held_table(run: Run) -> Table:
+    period = min(group.period for group in run.groups.values())
+    rows = -(-run.ticks // period)
+    return Table("held", run, period, rows, tuple(run.signals.values()))
+
+
+def _write_csv(tables: list[Table], folder: Path) -> list[Path]:
+    """Numbers as the shortest text that reads back to the same double; units in the second line."""
+    paths: list[Path] = []
+    for table in tables:
+        path = folder / f"{table.name}.csv"
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["tick", "time", *(signal.name for signal in table.signals)])
+            writer.writerow(["1", "s", *(signal.unit or "1" for signal in table.signals)])
+            for first, last in table.pieces():
+                ticks = table.ticks(first, last)
+                columns = [table.values(signal, first, last) for signal in table.signals]
+                every = [ticks, table.run.seconds(ticks), *columns]
+                writer.writerows(zip(*(column.tolist() for column in every), strict=True))
+        paths.append(path)
+    return paths
+
+
+def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
+    """A MAT-file of level 5: a struct for each group with tick, time, signals, names and units."""
+    content: dict[str, Any] = {}
+    for table in tables:
+        ticks = table.ticks(0, table.rows)
+        fields = matlab_names([signal.name for signal in table.signals])
+        columns: dict[str, Any] = {
+            "tick": ticks[:, None],
+            "time": table.run.seconds(ticks)[:, None],
+        }
+        units: dict[str, str] = {}
+        names: dict[str, str] = {}
+        for signal, field in zip(table.signals, fields, strict=True):
+            columns[field] = table.values(signal, 0, table.rows)[:, None]
+            units[field], names[field] = signal.unit, signal.name
+        content[matlab_names([table.name])[0]] = columns | {"units": units, "names": names}
+    rate = tables[0].run.base_rate
+    content["base_rate"] = np.array([[rate.numerator, rate.denominator]], np.int64)
+    path = folder / "run.mat"
+    _needed("mat", "scipy.io").savemat(
+        path, content, long_field_names=True, do_compression=True, oned_as="column"
+    )
+    return [path]
+
+
+def _write_parquet(tables: list[Table], folder: Path) -> list[Path]:
+    """Columns with their units as field metadata; base rate and period as the table's."""
+    arrow, parquet = _needed("parquet", "pyarrow"), _needed("parquet", "pyarrow.parquet")
+    paths: list[Path] = []
+    for table in tables:
+        fields = [arrow.field("tick", arrow.int64()), arrow.field("time", arrow.float64())]
+        for signal in table.signals:
+            kind = arrow.float64() if signal.is_float else arrow.int64()
+            metadata = {"unit": signal.unit, "description": signal.description}
+            fields.append(arrow.field(signal.name, kind, metadata=metadata))
+        about = {"base_rate": str(table.run.base_rate), "period": str(table.period)}
+        schema = arrow.schema(fields, metadata=about)
+        path = folder / f"{table.name}.parquet"
+        with parquet.ParquetWriter(path, schema) as writer:
+            for first, last in table.pieces():
+                ticks = table.ticks(first, last)
+                columns = [table.values(signal, first, last) for signal in table.signals]
+                arrays = [arrow.array(c) for c in (ticks, table.run.seconds(ticks), *columns)]
+                writer.write_batch(arrow.record_batch(arrays, schema=schema))
+        paths.append(path)
+    return paths
+
+
+def _needed(kind: str, module: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        raise InputError(
+            f"{kind} needs the package {package}: install cohaptic[export], or pip install "
+            f"{package}."
+        ) from None
+
+
+def matlab_names(names: list[str]) -> list[str]:
+    """Names of struct fields: ``vr_a.finger_1.force[2]`` becomes ``vr_a_finger_1_force_2``.
+
+    Too long or equal ones end in a number; the struct's ``names`` holds the originals.
+    """
+    found: list[str] = []
+    for name in names:
+        plain = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+        plain = plain if plain[:1].isalpha() else f"x_{plain}"
+        short = plain[:MATLAB_NAME_LENGTH]
+        number = 1
+        while short in found or short in {"tick", "time", "units", "names"}:
+            number += 1
+            tail = f"_{number}"
+            short = plain[: MATLAB_NAME_LENGTH - len(tail)] + tail
+        found.append(short)
+    return found
+
+
+EXPORTERS: Mapping[str, Callable[[list[Table], Path], list[Path]]] = {
+    "csv": _write_csv,
+    "mat": _write_mat,
+    "parquet": _write_parquet,
+}

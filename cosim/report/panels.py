@@ -1,0 +1,104 @@
+"""Panels over time: envelopes of signals, distance between copies, bands of contact states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.record.reader import Group, Run
+from cosim.record.statistics import ColumnStatistics, ColumnSummary
+from cosim.report.platform import Contact, Platform, pose
+from cosim.report.target import Target, blocks
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F", "#000000")
+"""Okabe and Ito's palette, which colour-blind readers tell apart."""
+
+CONTACT_STATES = (
+    ("free", "#E8E8E8"),
+    ("moment cancellation", "#F0E442"),
+    ("pre-slide", "#56B4E9"),
+    ("slide", "#D55E00"),
+)
+
+
+def bin_times(run: Run, group: Group, summary: ColumnSummary) -> NDArray[np.float64]:
+    """Middle of each bin of an envelope (s), shape (bins,)."""
+    bins = np.arange(summary.lows.size)
+    rows = (bins * summary.rows_per_bin + (summary.rows_per_bin - 1) / 2) * group.period
+    return np.asarray(rows / float(run.base_rate), np.float64)
+
+
+def draw_series(
+    axis: Any,
+    run: Run,
+    names: Mapping[str, str],
+    summaries: Mapping[str, ColumnSummary],
+    unit: str,
+) -> None:
+    """Envelopes of signals (name -> label): a line through the middle, filled from end to end."""
+    for index, (name, label) in enumerate(names.items()):
+        summary = summaries[name]
+        time = bin_times(run, run[name].group, summary)
+        colour = COLOURS[index % len(COLOURS)]
+        style = "-" if index < len(COLOURS) else "--"
+        axis.fill_between(time, summary.lows, summary.highs, color=colour, alpha=0.3, linewidth=0)
+        middle = (summary.lows + summary.highs) / 2
+        axis.plot(time, middle, style, color=colour, linewidth=1.0, label=label)
+    axis.set_ylabel(unit or "1")
+    columns = 1 if len(names) <= 2 else 2
+    axis.legend(loc="upper right", ncols=columns, handlelength=1.2, columnspacing=1.0)
+
+
+def draw_drift(axis: Any, run: Run, platform: Platform) -> None:
+    """Distance between the copies of the box (mm)."""
+    for index, (one, other) in enumerate(combinations(platform.copies, 2)):
+        target = Target("", pose(one)[:2], pose(other)[:2], is_norm=True)
+        group = min((run[name].group for name in target.signals), key=lambda group: group.period)
+        statistics = ColumnStatistics(np.array([True]), max(1, group.rows))
+        for _, values in blocks(run, target, 0, run.ticks):
+            statistics.update(np.ascontiguousarray(1e3 * values).view(np.int64)[None])
+        summary = statistics.summary(0)
+        colour = COLOURS[(index + 2) % len(COLOURS)]
+        time = bin_times(run, group, summary)
+        axis.fill_between(time, summary.lows, summary.highs, color=colour, alpha=0.3, linewidth=0)
+        axis.plot(time, summary.highs, color=colour, linewidth=1.0, label=f"{one} – {other}")
+    axis.set_title("Distance between copies of the box")
+    axis.set_ylabel("mm")
+    axis.set_ylim(bottom=0)
+    axis.legend(loc="upper right", handlelength=1.2)
+
+
+def draw_contacts(
+    axis: Any, run: Run, contacts: Sequence[Contact], summaries: Mapping[str, ColumnSummary]
+) -> None:
+    """A band for each contact; a bin in which it was lost even for a tick shows as free."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    colours = ListedColormap([colour for _, colour in CONTACT_STATES])
+    for row, contact in enumerate(contacts):
+        summary = summaries[contact.state]
+        states = np.where(summary.lows == 0, 0, summary.highs)
+        width = summary.rows_per_bin * run[contact.state].group.period / float(run.base_rate)
+        edges = np.arange(states.size + 1) * width
+        axis.pcolormesh(
+            edges, [row - 0.36, row + 0.36], states[None], cmap=colours, vmin=-0.5, vmax=3.5
+        )
+    axis.set_yticks(range(len(contacts)), [str(contact) for contact in contacts], fontsize=7.5)
+    axis.set_ylim(len(contacts) - 0.4, -0.6)
+    axis.grid(visible=False)
+    axis.set_title("Contact states")
+    axis.legend(
+        handles=[Patch(color=colour, label=name) for name, colour in CONTACT_STATES],
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=4,
+        handlelength=1.0,
+        handleheight=0.8,
+        columnspacing=1.0,
+        borderaxespad=0.1,
+    )

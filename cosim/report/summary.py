@@ -1,0 +1,221 @@
+"""The summary of a run: one JSON object (``summary.json``, ``--json``), and the same as text.
+
+Everything in the object is in SI units; docs/record.md lists its members.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cosim.record.reader import Run
+from cosim.record.statistics import ColumnSummary
+from cosim.report.expectation import Expectation, evaluate
+from cosim.report.measures import SCENARIO_MEASURES, TickRange
+from cosim.report.quantities import human, table
+
+SUMMARY_FILE = "summary.json"
+
+HEADLINES = tuple(
+    re.compile(pattern)
+    for pattern in (
+        r"[^.]+\.box_pose\.(x|y|theta)",
+        r"[^.]+\.finger_\d+\.normal_force",
+        r"[^.]+\.tip_position\[\d\]",
+        r"[^.]+\.motor_torque\[\d\]",
+        r"[^.]+\.(position|velocity|force)",
+    )
+)
+HEADLINE_ROWS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """``content`` is the JSON object."""
+
+    content: Mapping[str, Any]
+
+    @property
+    def status(self) -> int:
+        """The exit status that the run stands for: also 1 where an expectation is not met."""
+        return int(self.content["status"])
+
+    def text(self) -> str:
+        """For a terminal or a log, without colour."""
+        parts = [_head(self.content), _measures(self.content), _traffic(self.content)]
+        parts += [_signals(self.content), _verdicts(self.content), _end(self.content)]
+        return "\n\n".join(part for part in parts if part)
+
+
+def summarise(
+    run: Run,
+    expectations: Sequence[Expectation] = (),
+    summaries: Mapping[str, ColumnSummary] | None = None,
+) -> Summary:
+    """Summarise a run from its record and its manifest.
+
+    ``summaries`` are what the recorder accumulated; without them the whole file is read.
+    """
+    if summaries is None:
+        summaries = {name: signal.summary() for name, signal in run.signals.items()}
+    verdicts = evaluate(run, expectations)
+    manifest = run.manifest
+    ending = manifest.get("exit") or {"status": 1, "message": "The run was cut off."}
+    met = all(verdict.passed for verdict in verdicts)
+    content: dict[str, Any] = {
+        "scenario": manifest.get("scenario", {}).get("name", ""),
+        "title": manifest.get("scenario", {}).get("title", ""),
+        "run": str(run.folder),
+        "status": ending["status"] or (0 if met else 1),
+        "message": ending["message"],
+        "ticks": run.ticks,
+        "planned_ticks": manifest.get("scenario", {}).get("ticks"),
+        "base_rate": str(run.base_rate),
+        "simulated_time": float(run.ticks / run.base_rate),
+        **(manifest.get("timing") or {}),
+        "recorded": _recorded(run),
+        "measures": take_measures(run, expectations),
+        "expectations": [verdict.as_dict() for verdict in verdicts],
+        "passed": met if verdicts else None,
+        "failures": [str(verdict) for verdict in verdicts if not verdict.passed],
+        "channels": manifest.get("channels") or {},
+        "deadlines": manifest.get("deadlines"),
+        "warnings": manifest.get("warnings") or {},
+        "headlines": headlines(list(run.signals)),
+        "signals": {
+            name: {"unit": signal.unit} | summaries[name].statistics.as_dict()
+            for name, signal in run.signals.items()
+        },
+    }
+    return Summary(content)
+
+
+def read_summary(folder: Path) -> Summary | None:
+    """The summary that a run left in its folder, if it did."""
+    try:
+        return Summary(json.loads((folder / SUMMARY_FILE).read_text(encoding="utf-8")))
+    except (OSError, json.JSONDecodeError):
+        return None
+
+
+def take_measures(run: Run, expectations: Sequence[Expectation]) -> dict[str, float]:
+    """Every scenario measure that applies, in the window of the scenario's own expectation of it.
+
+    Measures of the hold phase without a window of their own share the one given for
+    ``contact_losses``, so that all speak of the same time.
+    """
+    windows: dict[str, TickRange] = {}
+    for expectation in expectations:
+        if expectation.target is None and expectation.window is not None:
+            windows.setdefault(expectation.text, expectation.window)
+    hold = windows.get("contact_losses")
+    found: dict[str, float] = {}
+    for name, measure in SCENARIO_MEASURES.items():
+        value = measure.take(run, windows.get(name, hold if measure.of_hold_phase else None))
+        if value is not None and not math.isnan(value):
+            found[name] = value
+    return found
+
+
+def facts(content: Mapping[str, Any]) -> str:
+    """One line: how long, what the measures say, how the expectations stand, how it ended."""
+    parts = [f"{content['simulated_time']:g} s"]
+    for name in ("contact_losses", "held_fraction", "force_ripple", "drift", "wall_penetration"):
+        if content["measures"].get(name) is not None:
+            value = human(content["measures"][name], SCENARIO_MEASURES[name].unit)
+            parts.append(f"{name.replace('_', ' ')} {value}")
+    if content["expectations"]:
+        met = len(content["expectations"]) - len(content["failures"])
+        parts.append(f"{met} of {len(content['expectations'])} expectations met")
+    if content["message"]:
+        parts.append(content["message"].splitlines()[0])
+    return " · ".join(parts)
+
+
+def headlines(names: Sequence[str]) -> list[str]:
+    """The signals that a reader looks at first; the first few of an unknown scenario."""
+    chosen = [name for pattern in HEADLINES for name in names if pattern.fullmatch(name)]
+    return (chosen or list(names))[:HEADLINE_ROWS]
+
+
+def _recorded(run: Run) -> dict[str, int]:
+    groups = run.groups.values()
+    return {
+        "signals": sum(len(group.signals) for group in groups),
+        "rows": sum(group.rows for group in groups),
+        "bytes": sum(8 * group.rows * (len(group.signals) + 1) for group in groups),
+    }
+
+
+def _head(content: Mapping[str, Any]) -> str:
+    recorded = content["recorded"]
+    facts = [f"{content['simulated_time']:g} s simulated"]
+    if "wall_time" in content:
+        facts[0] += f" in {content['wall_time']:.3g} s"
+        facts.append(f"{content['real_time_factor']:.3g} × real time")
+    facts.append(f"{recorded['signals']} signals, {recorded['bytes'] / 1e6:.3g} MB")
+    if content.get("peak_memory"):
+        facts.append(f"{content['peak_memory'] / 1e6:.0f} MB of memory")
+    return f"{content['title'] or content['scenario']}\n  {' · '.join(facts)}"
+
+
+def _measures(content: Mapping[str, Any]) -> str:
+    rows = [
+        (name.replace("_", " "), human(value, SCENARIO_MEASURES[name].unit), "")
+        for name, value in content["measures"].items()
+    ]
+    descriptions = [SCENARIO_MEASURES[name].description for name in content["measures"]]
+    if not rows:
+        return ""
+    width = max(len(row[0]) for row in rows)
+    return "\n".join(
+        f"  {name.ljust(width)}  {value:>9}  {description}"
+        for (name, value, _), description in zip(rows, descriptions, strict=True)
+    )
+
+
+def _traffic(content: Mapping[str, Any]) -> str:
+    lines: list[str] = []
+    if content["channels"]:
+        keys = list(next(iter(content["channels"].values())))
+        rows = [("packets", "", *(key.replace("_", " ") for key in keys))]
+        rows += [
+            (name, "", *(str(counts[key]) for key in keys))
+            for name, counts in content["channels"].items()
+        ]
+        lines.append(table(rows))
+    if content["deadlines"]:
+        facts = ", ".join(f"{key.replace('_', ' ')} {v}" for key, v in content["deadlines"].items())
+        lines.append(f"  deadlines: {facts}")
+    return "\n".join(lines)
+
+
+def _signals(content: Mapping[str, Any]) -> str:
+    signals = content["signals"]
+    rows: list[tuple[str, ...]] = [("signal", "unit", "min", "max", "mean", "rms")]
+    for name in content["headlines"]:
+        found = signals[name]
+        numbers = (found["minimum"], found["maximum"], found["mean"], found["rms"])
+        shown = ("–" if value is None else f"{value:.4g}" for value in numbers)
+        rows.append((name, found["unit"], *shown))
+    return table(rows) if len(rows) > 1 else ""
+
+
+def _verdicts(content: Mapping[str, Any]) -> str:
+    verdicts = content["expectations"]
+    if not verdicts:
+        return ""
+    failures = content["failures"]
+    lines = [f"  {len(verdicts) - len(failures)} of {len(verdicts)} expectations met"]
+    lines += [f"  FAILED  {failure}" for failure in failures]
+    return "\n".join(lines)
+
+
+def _end(content: Mapping[str, Any]) -> str:
+    message = f"{content['message']}\n" if content["message"] else ""
+    return f"{message}{content['run']}"

@@ -1,0 +1,185 @@
+"""One run from a scenario to a folder: assembled, run, recorded, summarised, drawn.
+
+The commands, sweeps and tests all run scenarios through here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from cosim.errors import CohapticError, RunError
+from cosim.master.pacing import Pacer
+from cosim.master.recording import RecordGroup
+from cosim.master.simulation import Outcome, Progress, Simulation, assemble
+from cosim.record.folder import check_folder, new_folder
+from cosim.record.manifest import conclude, describe, write_json, write_manifest
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
+from cosim.record.writer import Recorder
+from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
+from cosim.scenario import Scenario
+
+FIGURE_FILE = "overview.png"
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A run that is over: its folder, its summary, and the error that ended it, if one did."""
+
+    folder: Path
+    summary: Summary
+    error: CohapticError | None
+
+
+class _FolderRecorder(Recorder):
+    """Creates the run's folder when the first tick is due: bad input leaves nothing behind."""
+
+    def __init__(
+        self, scenario: Scenario, out: Path | None, manifest: dict[str, Any], began: float
+    ) -> None:
+        super().__init__(Path(RUN_FILE), scenario.ticks)
+        self.folder: Path | None = None
+        self.start_up_time = 0.0
+        self._scenario, self._out, self._manifest, self._began = scenario, out, manifest, began
+
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
+        self.folder = new_folder(self._scenario.name, self._out)
+        self.path = self.folder / RUN_FILE
+        (self.folder / SCENARIO_FILE).write_text(self._scenario.resolved(), encoding="utf-8")
+        write_manifest(self.folder, self._manifest)
+        super().begin(groups, base_rate)
+        self.start_up_time = time.perf_counter() - self._began
+
+
+def run_scenario(
+    scenario: Scenario,
+    out: Path | None = None,
+    *,
+    progress: Progress | None = None,
+    pacer: Pacer | None = None,
+    deadlines: Callable[[], Mapping[str, Any]] | None = None,
+    figure: bool = True,
+) -> Finished:
+    """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
+
+    Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
+    drawn all the same. ``deadlines`` is asked for its statistics after a paced run.
+
+    Raises:
+        InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
+            left behind.
+        RunError: the record could not be begun, so that there is nothing to summarise.
+    """
+    began = time.perf_counter()
+    check_folder(out)
+    with assemble(scenario) as simulation:
+        units = {
+            column.name: column.unit or ""
+            for group in simulation.groups
+            for column in group.columns
+        }
+        expectations = parse_expectations(scenario, units)
+        manifest = describe(scenario, _components(simulation))
+        manifest["notes"] = list(simulation.notes)
+        recorder = _FolderRecorder(scenario, out, manifest, began)
+        error = _run(simulation, recorder, progress, pacer)
+        folder, outcome = recorder.folder, simulation.outcome
+        if folder is None or not recorder.has_begun:
+            raise error or RunError("Interrupted before the first tick; nothing was recorded.")
+    manifest["timing"] = _timing(outcome, recorder, scenario)
+    manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
+    manifest["warnings"] = dict(outcome.warnings)
+    manifest["deadlines"] = None if deadlines is None else dict(deadlines())
+    conclude(
+        manifest,
+        status=_status(outcome, error),
+        message=_message(outcome, error, scenario),
+        ticks=outcome.ticks,
+    )
+    write_manifest(folder, manifest)
+    return Finished(folder, _report(folder, recorder, expectations, figure=figure), error)
+
+
+def _run(
+    simulation: Simulation, recorder: Recorder, progress: Progress | None, pacer: Pacer | None
+) -> CohapticError | None:
+    """The loop; the record is complete afterwards, whatever happened."""
+    try:
+        with recorder:
+            simulation.run(recorder, progress=progress, pacer=pacer)
+    except CohapticError as error:
+        return error
+    return None
+
+
+def _report(
+    folder: Path, recorder: Recorder, expectations: Sequence[Expectation], *, figure: bool
+) -> Summary:
+    summaries = recorder.summaries()
+    with open_run(folder) as run:
+        summary = summarise(run, expectations, summaries)
+        write_json(folder / SUMMARY_FILE, summary.content)
+        if figure:
+            from cosim.report.overview import draw_overview
+
+            draw_overview(run, folder / FIGURE_FILE, summaries, facts(summary.content))
+    return summary
+
+
+def _components(simulation: Simulation) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for name, component in simulation.scenario.components.items():
+        found[name] = {"kind": str(component.kind), "source": component.source}
+        fmu = simulation.assembly.participants[name].fmu
+        if fmu is not None:
+            found[name] |= {"fmi": fmu.version, "token": fmu.token, "sha256": fmu.sha256}
+    return found
+
+
+def _timing(outcome: Outcome, recorder: _FolderRecorder, scenario: Scenario) -> dict[str, float]:
+    """The loop's wall time with everything recorded, start-up and figure apart."""
+    wall_time = outcome.wall_time + recorder.drain_time
+    simulated = float(outcome.ticks / scenario.base_rate)
+    return {
+        "wall_time": wall_time,
+        "real_time_factor": simulated / wall_time if wall_time else 0.0,
+        "start_up_time": recorder.start_up_time,
+        "peak_memory": peak_memory(),
+    }
+
+
+def peak_memory() -> int:
+    """Most memory that this process ever held (bytes)."""
+    try:
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM")) * 1024
+    except (OSError, StopIteration):
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def _status(outcome: Outcome, error: CohapticError | None) -> int:
+    if error is not None:
+        return error.exit_status
+    return int(outcome.interrupted)
+
+
+def _message(outcome: Outcome, error: CohapticError | None, scenario: Scenario) -> str:
+    if error is not None:
+        return str(error)
+    if outcome.interrupted:
+        reached = float(outcome.ticks / scenario.base_rate)
+        return (
+            f"Interrupted at tick {outcome.ticks} of {scenario.ticks} (t = {reached:g} s); "
+            "the record holds everything before."
+        )
+    return ""
