@@ -123,6 +123,11 @@ class Component(ABC):
         """For each output, the inputs it depends on directly; an absent output depends on none."""
         return {}
 
+    @property
+    def terminals(self) -> Mapping[str, Mapping[str, str]]:
+        """Bundles that connect as one: terminal -> member -> variable."""
+        return {}
+
     @abstractmethod
     def initialise(
         self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]

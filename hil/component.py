@@ -16,7 +16,7 @@ from hil.contract import Flag, State
 from hil.device import Device
 from hil.device_file import DeviceFile, default, load
 from hil.limits import SPEED_WINDOW_TICKS
-from hil.pantograph import variables
+from hil.pantograph import terminals, variables
 
 REST_TICKS = 2 * SPEED_WINDOW_TICKS
 """Ticks at zero torque before activation, in which the handle has to rest."""
@@ -45,6 +45,11 @@ class DeviceComponent(Component):
     def variables(self) -> Sequence[Variable]:
         """Exactly the pantograph FMU's."""
         return variables()
+
+    @property
+    def terminals(self) -> Mapping[str, Mapping[str, str]]:
+        """Exactly the pantograph FMU's."""
+        return terminals()
 
     @property
     def dependencies(self) -> Mapping[str, Sequence[str]]:

@@ -226,8 +226,11 @@ class Device(ABC):
                 self.state = State.INACTIVE
             before = self.zeros_confirmed
             for _ in range(SETTLE_TICKS):
+                if self.pulse is not None:
+                    self.pulse.beat()
                 if not self._zero():
                     break
+                self.pause()
                 self._take()
                 if self.zeros_confirmed > before:
                     break
@@ -388,6 +391,11 @@ class Device(ABC):
         except Exception:  # the answer is "not confirmed", whatever went wrong
             return False
         return False
+
+    def release(self) -> None:
+        """Let go of the port without a word on the wire (the supervisor has zeroed it)."""
+        self._guard(self._close)
+        self.state, self.homed = State.UNCONFIGURED, False
 
     def pause(self) -> None:
         """One tick's time between exchanges outside the loop; none where no clock is involved."""

@@ -20,6 +20,14 @@ _TYPES = {
 
 
 @cache
+def terminals() -> dict[str, dict[str, str]]:
+    """The pantograph FMU's terminals: terminal -> member -> variable."""
+    from fmus.pantograph.variables import MODEL
+
+    return {terminal.name: dict(terminal.members) for terminal in MODEL.terminals}
+
+
+@cache
 def variables() -> tuple[Variable, ...]:
     """Every variable of the pantograph FMU, for a device that takes its place."""
     from fmus.layout import Layout

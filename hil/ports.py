@@ -125,6 +125,7 @@ class SerialPort:
         """Go on where a dead process left off: drop what came for it, talk to nobody but us."""
         self._pulse = None
         if self._control is not None:
+            self._control.close()
             self._control = Control(self._control.path)
             self.sent = int(self._control.ask("state")["received"])
         self.read()

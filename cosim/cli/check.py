@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,7 +11,10 @@ import click
 from cosim.errors import InputError, InputErrors
 
 if TYPE_CHECKING:
+    from cosim.master.simulation import Simulation
     from cosim.scenario import Scenario
+
+_INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 
 
 @click.command("check")
@@ -55,11 +59,37 @@ def _check(
     scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
+    from cosim.master.simulation import assemble
     from cosim.scenario import load
     from cosim.scenario.describe import describe
 
     loaded = load(scenario, overlays, sets)
-    return loaded, describe(loaded)
+    with assemble(loaded) as simulation:
+        return loaded, {**describe(loaded), **_plan(simulation)}
+
+
+def _plan(simulation: Simulation) -> dict[str, Any]:
+    """What follows from the FMUs: the order within a tick, packets, what lags, what is recorded."""
+    from cosim.master.plan import Act
+
+    assembly = simulation.assembly
+    return {
+        "order": [
+            {"component": action.unit, "outputs": list(action.names), "period": action.period}
+            for action in assembly.plan.every
+            if action.act is Act.GET
+        ],
+        "packets": [
+            {"name": bundle.name, "period": bundle.period, "values": len(bundle.entries)}
+            for bundle in assembly.wiring.bundles
+        ],
+        "lagging": list(simulation.lagging),
+        "notes": list(simulation.notes),
+        "recorded": [
+            {"group": group.name, "period": group.period, "signals": len(group.columns)}
+            for group in simulation.groups
+        ],
+    }
 
 
 def _problems(error: InputError) -> list[dict[str, Any]]:
@@ -91,8 +121,26 @@ def _text(report: dict[str, Any]) -> str:
             ("backward", channel["between"][::-1]),
         )
     ]
-    for title, rows in (("Rates", rates), ("Components", components), ("Channels", channels)):
+    packets = [
+        [packet["name"], f"{packet['values']} values", f"every {_ticks(packet['period'])}"]
+        for packet in report["packets"]
+    ]
+    recorded = [
+        [group["group"], f"{group['signals']} signals", f"every {_ticks(group['period'])}"]
+        for group in report["recorded"]
+    ]
+    for title, rows in (
+        ("Rates", rates),
+        ("Components", components),
+        ("Channels", channels),
+        ("Packets", packets),
+        ("Recorded", recorded),
+    ):
         lines += ["", title, *_table(rows)] if rows else []
+    order = " > ".join(stage["component"] for stage in report["order"])
+    lines += ["", "Evaluation order within a tick", *wrap(order, 98, **_INDENT)] if order else []
+    for title, sentences in (("Lagging one step", "lagging"), ("Notes", "notes")):
+        lines += ["", title, *(f"  {s}" for s in report[sentences])] if report[sentences] else []
     return "\n".join(lines)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cosim.component import Causality, Role
+from cosim.component import Causality, Component, Role
 from cosim.errors import InputError
 from cosim.master.clock import Clock
 from cosim.master.connections import wire
@@ -37,15 +37,17 @@ class Assembly:
     notes: tuple[str, ...]
 
 
-def put_together(scenario: Scenario) -> Assembly:
+def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Assembly:
     """Read every component, resolve every connection, order everything.
+
+    ``made`` holds Python components that exist already, by name.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
     problems = Problems(scenario)
     clock = Clock(scenario.base_rate)
-    participants = read_participants(scenario, clock, problems)
+    participants = read_participants(scenario, clock, problems, made)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)

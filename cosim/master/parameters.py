@@ -9,6 +9,7 @@ from typing import Any
 from cosim.component import Causality, Variable, VariableType
 from cosim.errors import InputError
 from cosim.master.interface import size_of, variable_elements
+from cosim.scenario.quantity import QuantityError, quantity
 from cosim.suggest import did_you_mean
 
 SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
@@ -135,12 +136,22 @@ def _convert(component: str, variable: Variable, name: str, value: Any) -> Any:
         return value
     if kind is VariableType.ENUMERATION:
         return _item(where, variable, value)
+    if isinstance(value, str):
+        value = _quantity(where, variable, value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{where} is a number, not {value!r}")
-    if not kind.is_float and value != int(value):
+    if not kind.is_float and not float(value).is_integer():
         raise InputError(f"{where} is a whole number, not {value!r}")
     _check_bounds(where, variable, value)
     return float(value) if kind.is_float else int(value)
+
+
+def _quantity(where: str, variable: Variable, text: str) -> float:
+    """``2.44 ms`` in the variable's unit."""
+    try:
+        return float(quantity(text, variable.unit or "1"))
+    except QuantityError as error:
+        raise InputError(f"{where} is a number: {error}") from None
 
 
 def _item(where: str, variable: Variable, value: Any) -> int:

@@ -39,16 +39,22 @@ class Participant:
 
 
 def read_participants(
-    scenario: Scenario, clock: Clock, problems: Problems
+    scenario: Scenario,
+    clock: Clock,
+    problems: Problems,
+    made: Mapping[str, Component] | None = None,
 ) -> dict[str, Participant]:
-    """Read every component; those with a problem are reported and left out."""
+    """Read every component; those with a problem are reported and left out.
+
+    ``made`` holds Python components that exist already, by name: they are not made from ``source``.
+    """
     found: dict[str, Participant] = {}
     for name, written in scenario.components.items():
         with problems.at(("components", name)):
             participant = (
                 _read_fmu(written, clock, problems)
                 if written.kind is Kind.FMU
-                else _read_python(written, scenario, problems)
+                else _read_python(written, scenario, problems, (made or {}).get(name))
             )
             clock.check_exact(scenario.ticks, participant.substeps, name)
             found[name] = participant
@@ -117,9 +123,11 @@ def _values(
 
 
 def _read_python(
-    written: scenarios.Component, scenario: Scenario, problems: Problems
+    written: scenarios.Component, scenario: Scenario, problems: Problems, made: Component | None
 ) -> Participant:
-    if written.kind is Kind.DEVICE:
+    if made is not None:
+        component = made
+    elif written.kind is Kind.DEVICE:
         component = python.open_device(written.source, written.options)
     elif written.kind is Kind.PLAYBACK:
         from cosim.master.playback import Playback

@@ -79,6 +79,7 @@ def interface_of(name: str, component: Component, *, feedthrough: bool | None) -
         variables=variables,
         feedthrough=component.feedthrough if feedthrough is None else feedthrough,
         dependencies=component.dependencies,
+        terminals=component.terminals,
     )
 
 

@@ -113,9 +113,8 @@ def _matches(
     scenario: Scenario,
 ) -> list[_Candidate]:
     if any(character in pattern for character in "*?"):
-        expression = re.compile(
-            "".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in pattern), re.DOTALL
-        )
+        wild = "".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in pattern)
+        expression = re.compile(rf"{wild}([.\[].*)?", re.DOTALL)  # a group, an array: all of it
         found = [c for c in candidates if c.usual and expression.fullmatch(c.name)]
         if (
             not found

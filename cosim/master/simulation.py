@@ -48,13 +48,15 @@ Progress = Callable[[int, float], None]
 """Told the ticks done and the loop's wall time (s), a few times a second."""
 
 
-def assemble(scenario: Scenario) -> Simulation:
+def assemble(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Simulation:
     """Read, check, wire and plan a scenario; no native code has run yet.
+
+    ``made`` holds Python components that exist already, by name.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
-    return Simulation(put_together(scenario))
+    return Simulation(put_together(scenario, made))
 
 
 class Simulation:

@@ -29,6 +29,15 @@ def read_document(name: str | PathLike[str], *, is_overlay: bool = False) -> tup
     return path, _Includes().read(path, (), (), needs_version=not is_overlay)
 
 
+def expand(node: Node, at: tuple[PathKey, ...], folder: Path) -> Node:
+    """A value with its includes, for the node at ``at``; relative names start from ``folder``.
+
+    Raises:
+        InputError: a fragment cannot be used.
+    """
+    return _Includes().expand(node, at, (folder / "--set",))
+
+
 class _Includes:
     def __init__(self) -> None:
         self._files = 0
@@ -36,6 +45,7 @@ class _Includes:
     def read(
         self, path: Path, at: tuple[PathKey, ...], stack: tuple[Path, ...], *, needs_version: bool
     ) -> Node:
+        """A file with what it includes, for the node at ``at``."""
         self._files += 1
         if self._files > MAX_FILES:
             raise InputError(f"more than {MAX_FILES} files are included.")
@@ -44,13 +54,14 @@ class _Includes:
         if not isinstance(root.value, dict):
             raise InputError("a scenario file is a mapping, 'key: value' lines.", root.place)
         _check_version(root.value, root.place, needs_version)
-        return self._expand(root, at, (*stack, path.resolve()))
+        return self.expand(root, at, (*stack, path.resolve()))
 
-    def _expand(self, node: Node, at: tuple[PathKey, ...], stack: tuple[Path, ...]) -> Node:
+    def expand(self, node: Node, at: tuple[PathKey, ...], stack: tuple[Path, ...]) -> Node:
+        """``node`` over what it includes; ``stack`` holds the files that led here."""
         if not isinstance(node.value, dict):
             return normalise(node, at)
         members = {
-            key: self._expand(member, (*at, key), stack)
+            key: self.expand(member, (*at, key), stack)
             for key, member in node.value.items()
             if key != "include"
         }

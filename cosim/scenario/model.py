@@ -7,7 +7,6 @@ and nothing in here can change once it is loaded.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -216,11 +215,6 @@ class Record:
     """Rows a second; ``None`` records at the component's own rate."""
     period: int | None = None
     """Base ticks from one row to the next; ``None`` with ``rate``."""
-
-    def matches(self, signal: str) -> bool:
-        """Whether ``component.variable`` is among the signals meant."""
-        wild = re.escape(self.pattern).replace(r"\*", ".*").replace(r"\?", ".")
-        return re.fullmatch(rf"{wild}([.\[].*)?", signal) is not None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

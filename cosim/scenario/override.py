@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from cosim.errors import InputError, Location
+from cosim.scenario.include import expand
 from cosim.scenario.merge import is_dotted, merge, normalise
 from cosim.scenario.reader import parse_yaml
 from cosim.scenario.source import Node, PathKey
@@ -26,7 +29,7 @@ def apply_override(root: Node, text: str) -> Node:
         raise InputError("there is no value behind '='; '~' removes.", place)
     value = parse_yaml(written, place.file, has_lines=False)
     keys = _keys(root, path.strip(), value, place)
-    return _assign(root, keys, value, ())
+    return _assign(root, keys, expand(value, tuple(keys), Path.cwd()), ())
 
 
 def _keys(root: Node, path: str, value: Node, place: Location) -> list[PathKey]:

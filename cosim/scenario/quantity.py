@@ -146,7 +146,7 @@ def quantity(value: float | str, unit: str) -> Fraction:
         return number
     given, wanted = parse_unit(written), parse_unit(unit)
     if given.dimension != wanted.dimension:
-        raise QuantityError(f"'{value}' is in {written}, which is no {_measure(unit)} ({unit}).")
+        raise QuantityError(f"'{value}' is in {written}, which does not convert to {unit}.")
     return number * given.factor / wanted.factor
 
 
@@ -165,7 +165,3 @@ def _symbol(symbol: str) -> tuple[Fraction, Dimension] | None:
         return _PREFIXED[symbol]
     prefix, base = _PREFIXES.get(symbol[0]), _PREFIXED.get(symbol[1:])
     return (prefix * base[0], base[1]) if prefix is not None and base is not None else None
-
-
-def _measure(unit: str) -> str:
-    return {"s": "time", "Hz": "rate", "1": "pure number"}.get(unit, "quantity")

@@ -46,7 +46,7 @@ void model_outputs(Variables *v, const State *s)
         v->to_client[p].finger_2_force[0] = forces.peer[p][1].force.x;
         v->to_client[p].finger_2_force[1] = forces.peer[p][1].force.y;
         WRITE_BOX(v->to_client[p], &s->environment.box);
-        WRITE_SOURCE(v->to_client[p], v, s->own.tick, contact_bit(&forces));
+        WRITE_SOURCE(v->to_client[p], v, measured, s->own.tick, contact_bit(&forces));
         WRITE_PEER_CONTACTS(v->client_contact[p], &forces, p);
     }
 }

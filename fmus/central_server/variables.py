@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from fmus.shared import environment, workstation
-from fmus.shared.workstation import FINGER_INPUTS, PEERS
+from fmus.shared.workstation import PEERS
 from fmus.table import Group, Model
 
-_OWN = tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
 _CLIENTS = ("client_?.*", "peer_weight", "peer_valid", "peer_age")
 
 _CLIENT = workstation.packet_inputs(motion=True, box=False, force=False)
-_TO_CLIENT = workstation.packet_outputs(motion=False, box=True, force=_CLIENTS, status=_OWN)
+_TO_CLIENT = workstation.packet_outputs(motion=False, box=True, force=_CLIENTS)
 
 MODEL = Model(
     name="central_server",

@@ -32,7 +32,7 @@ static void evaluate(const Variables *v, const State *s, FingerMeasurement measu
             prediction_time(v, p, s->own.tick, v->peer[p].source_tick, v->peer[p].source_age);
         PeerInput *peer = &input.peer[p];
         peer->weight = peer_weight(v, p);
-        peer->coupled = p < v->peers;
+        peer->coupled = p < v->peers && v->peer[p].source_tick >= 0;
         peer->box.velocity = (Planar){v->peer[p].box_vx, v->peer[p].box_vy, v->peer[p].box_omega};
         peer->box.pose = (Planar){v->peer[p].box_x + ahead * v->peer[p].box_vx,
                                   v->peer[p].box_y + ahead * v->peer[p].box_vy,
@@ -59,7 +59,7 @@ void model_outputs(Variables *v, const State *s)
     WRITE_FINGER(1);
     WRITE_FINGER(2);
     WRITE_BOX(v->shared, &s->environment.box);
-    WRITE_SOURCE(v->shared, v, s->own.tick, contact_bit(&forces));
+    WRITE_SOURCE(v->shared, v, measured, s->own.tick, contact_bit(&forces));
     for (int p = 0; p < PEERS; p++) WRITE_PEER_CONTACTS(v->peer_contact[p], &forces, p);
 }
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from fmus.shared import environment, workstation
-from fmus.shared.workstation import FINGER_INPUTS, PEERS
+from fmus.shared.workstation import PEERS
 from fmus.table import Group, Model
 
-_OWN = tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
 _PEERS = ("peer_?.*", "peer_weight", "peer_valid", "peer_age")
 
-_SHARED = workstation.packet_outputs(motion=True, box=True, status=_OWN)
+_SHARED = workstation.packet_outputs(motion=True, box=True)
 _PEER = workstation.packet_inputs(motion=True, box=True, force=False)
 
 MODEL = Model(

@@ -42,7 +42,7 @@ void model_outputs(Variables *v, const State *s)
         station_render(v, &s->station, f, &measured[f], finger_force(v, f, &measured[f]));
     WRITE_FINGER(1);
     WRITE_FINGER(2);
-    WRITE_SOURCE(v->up, v, s->own.tick, 0);
+    WRITE_SOURCE(v->up, v, measured, s->own.tick, 0);
     v->box_pose.x = v->down.box_x;
     v->box_pose.y = v->down.box_y;
     v->box_pose.theta = v->down.box_theta;

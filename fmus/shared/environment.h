@@ -92,11 +92,11 @@ static FingerInput peer_finger(bool present, const double position[2], const dou
 /* The fingers of peer p from `source`, any struct with the members of a packet. */
 #define READ_PEER_FINGERS(target, source, p, ahead) \
     do { \
-        const bool active = (p) < v->peers && status_is_active((source)->status); \
-        (target)->finger[0] = peer_finger(active && v->peer_fingers[p] > 0, \
+        const int64_t status = (p) < v->peers && (source)->source_tick >= 0 ? (source)->status : 0; \
+        (target)->finger[0] = peer_finger((status & STATUS_FINGER) != 0, \
                                           (source)->finger_1_position, \
                                           (source)->finger_1_velocity, ahead); \
-        (target)->finger[1] = peer_finger(active && v->peer_fingers[p] > 1, \
+        (target)->finger[1] = peer_finger((status & 2 * STATUS_FINGER) != 0, \
                                           (source)->finger_2_position, \
                                           (source)->finger_2_velocity, ahead); \
     } while (0)

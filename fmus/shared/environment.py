@@ -5,7 +5,6 @@ from __future__ import annotations
 from fmus.shared.workstation import (
     CONTACT_STATE,
     FINGER_INPUTS,
-    PEERS,
     POSE,
     VELOCITY,
     WRENCH,
@@ -196,7 +195,6 @@ def wall_group() -> Group:
 def peer_parameters() -> tuple[Variable, ...]:
     """How peers are read."""
     return (
-        integer("peer_fingers", "Fingers of each peer", 2, minimum=0, maximum=2, size=PEERS),
         choice("predictor", "Where a peer is between its packets", PREDICTOR),
         integer(
             "prediction_limit",

@@ -8,7 +8,8 @@
 #include "five_bar.h"
 #include "velocity_estimator.h"
 
-enum { STATUS_HOMED = 1, STATUS_ACTIVE = 2, STATUS_FAULT = 4, STATUS_OUTPUT = 8, STATUS_CONTACT = 16 };
+enum { STATUS_HOMED = 1, STATUS_ACTIVE = 2, STATUS_FAULT = 4, STATUS_OUTPUT = 8, STATUS_CONTACT = 16,
+       STATUS_FINGER = 32 /* finger 1 can be touched; finger 2: twice this */ };
 
 typedef struct {
     FiveBar bar;

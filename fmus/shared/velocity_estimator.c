@@ -11,7 +11,9 @@ static int64_t place(const SampleWindow *samples, int64_t back)
 static double foaw_axis(const SampleWindow *samples, int axis, double value, int64_t tick,
                         int64_t window, double quantum, double period)
 {
-    /* The slopes that stay within a quantum of every sample so far form an interval. */
+    /* The slopes that stay within a quantum of every sample so far form an interval. Counts often lie
+     * on its very ends, which rounding must not decide. */
+    const double band = quantum * (1.0 + 1e-6);
     double slope = 0.0, lowest = -INFINITY, highest = INFINITY;
     for (int64_t back = 0; back < samples->count; back++) {
         const int64_t i = place(samples, back), age = tick - samples->tick[i];
@@ -21,8 +23,8 @@ static double foaw_axis(const SampleWindow *samples, int axis, double value, int
         const double candidate = (value - samples->value[i][axis]) * inverse;
         if (candidate < lowest || candidate > highest) break;
         slope = candidate;
-        lowest = fmax(lowest, candidate - quantum * inverse);
-        highest = fmin(highest, candidate + quantum * inverse);
+        lowest = fmax(lowest, candidate - band * inverse);
+        highest = fmin(highest, candidate + band * inverse);
     }
     return slope;
 }

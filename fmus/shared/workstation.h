@@ -94,14 +94,17 @@ static void station_render(Variables *v, const Station *station, int f,
 }
 
 /* Status and age of all fingers together, for a packet. */
-static int64_t station_status(const Variables *v)
+static int64_t station_status(const Variables *v, const FingerMeasurement measured[FINGERS])
 {
     int64_t all = v->finger[0].status, any = all;
     if (v->fingers > 1) {
         all &= v->finger[1].status;
         any |= v->finger[1].status;
     }
-    return (all & (STATUS_HOMED | STATUS_ACTIVE | STATUS_OUTPUT)) | (any & STATUS_FAULT);
+    int64_t status = (all & (STATUS_HOMED | STATUS_ACTIVE | STATUS_OUTPUT)) | (any & STATUS_FAULT);
+    for (int f = 0; f < FINGERS; f++)
+        if (measured[f].present) status |= STATUS_FINGER << f;
+    return status;
 }
 
 static int64_t station_age(const Variables *v)
@@ -111,11 +114,11 @@ static int64_t station_age(const Variables *v)
 }
 
 /* The head of a packet. */
-#define WRITE_SOURCE(packet, v, tick, contact) \
+#define WRITE_SOURCE(packet, v, measured, tick, contact) \
     do { \
         (packet).source_tick = (tick); \
         (packet).source_age = station_age(v); \
-        (packet).status = station_status(v) | (contact); \
+        (packet).status = station_status(v, measured) | (contact); \
     } while (0)
 
 #endif

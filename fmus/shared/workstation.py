@@ -267,16 +267,19 @@ _BOX = (
     ("box_vy", "Box velocity y", "m/s"),
     ("box_omega", "Box angular velocity", "rad/s"),
 )
-_STATUS = "Sum of 1 homed, 2 active, 4 fault, 8 output enabled, 16 in contact"
+_STATUS = (
+    "Sum of 1 homed, 2 active, 4 fault, 8 output enabled, 16 in contact, 32 finger 1 and 64 finger "
+    "2 can be touched"
+)
 
 
 def packet_outputs(
-    *, motion: bool, box: bool, force: tuple[str, ...] | None = None, status: tuple[str, ...] = ()
+    *, motion: bool, box: bool, force: tuple[str, ...] | None = None
 ) -> tuple[Variable, ...]:
     """The members of a packet that a workstation sends.
 
     ``motion``, ``box`` and ``force`` choose what it carries; ``force`` names what each finger's
-    force depends on, ``status`` what the status depends on beside the devices' own.
+    force depends on.
     """
     members: list[Variable] = []
     for number in range(1, FINGERS + 1):
@@ -301,7 +304,9 @@ def packet_outputs(
         output(
             "source_age", "Age of the sender's device data in ticks", None, ("finger_*.sample_age",)
         ),
-        output("status", _STATUS, None, ("finger_*.status", *status)),
+        output(
+            "status", _STATUS, None, tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
+        ),
     ]
     return tuple(members)
 
@@ -322,9 +327,14 @@ def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ..
     if box:
         members += [signal(*entry) for entry in _BOX]
     members += [
-        signal("source_tick", "Tick of the sender", None),
+        signal(
+            "source_tick",
+            "Tick of the sender; -1 until it is heard, and it does not count",
+            None,
+            start=-1,
+        ),
         signal("source_age", "Age of the sender's device data in ticks", None),
-        signal("status", _STATUS, None, start=11),
+        signal("status", _STATUS, None),
     ]
     return tuple(members)
 

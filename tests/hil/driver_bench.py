@@ -21,7 +21,7 @@ HAPLY = {"device": 1, "initial_tip_position": (0.019, 0.1)}
 QUANSER = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
 
 SETUPS: dict[str, dict[str, Any]] = {
-    "haply": {"parameters": HAPLY, "file": {"preset": "haply"}},
+    "haply": {"parameters": HAPLY, "file": {"preset": "haply"}, "serial": True, "frame": 10},
 }
 """Per driver: the emulated pantograph's parameters, the device file, the emulator's options."""
 

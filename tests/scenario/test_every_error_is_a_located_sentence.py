@@ -14,14 +14,19 @@ MISTAKES = {
     "no version": (
         "cohaptic: 1\n",
         "",
-        "s.yaml:1:1: the first line of a scenario is 'cohaptic: 1', the version of its language; "
-        "it is missing.",
+        (
+            "s.yaml:1:1: the first line of a scenario is 'cohaptic: 1', the version of its "
+            "language; "
+            "it is missing."
+        ),
     ),
     "another version": (
         "cohaptic: 1",
         "cohaptic: 2",
-        "s.yaml:1:11: version 2 of the scenario language; this cohaptic reads version 1. Write "
-        "'cohaptic: 1' or install a newer one.",
+        (
+            "s.yaml:1:11: version 2 of the scenario language; this cohaptic reads version 1. Write "
+            "'cohaptic: 1' or install a newer one."
+        ),
     ),
     "unknown key": (
         "duration: 2 s",
@@ -42,14 +47,20 @@ MISTAKES = {
     "unknown unit": (
         "2 s",
         "2 parsec",
-        "s.yaml:3:11: duration: 'parsec' is not a unit known here. Write a time, such as 10, "
-        "'2.44 ms' or '2 min'.",
+        (
+            "s.yaml:3:11: duration: 'parsec' is not a unit known here. Write a time, such as 10, "
+            "'2.44 ms' or '2 min'."
+        ),
     ),
     "unit of something else": (
         "2 s",
         "2 Hz",
-        "s.yaml:3:11: duration: '2 Hz' is in Hz, which is no time (s). Write a time, such as 10, "
-        "'2.44 ms' or '2 min'.",
+        (
+            "s.yaml:3:11: duration: '2 Hz' is in Hz, which does not convert to s. Write a time, "
+            "such "
+            "as 10, "
+            "'2.44 ms' or '2 min'."
+        ),
     ),
     "not above zero": (
         "2 s",
@@ -59,15 +70,20 @@ MISTAKES = {
     "a rate that does not fit": (
         "network: 128",
         "network: 100",
-        "s.yaml:4:33: the rate network (100 Hz) does not fit: with it, one period of the rate "
-        "control (1024 Hz) would be 25 base ticks (at most 8). The nearest rate that fits is "
-        "102.4 Hz; or write 'base_rate: 25600 Hz' to have the finer tick.",
+        (
+            "s.yaml:4:33: the rate network (100 Hz) does not fit: with it, one period of the rate "
+            "control (1024 Hz) would be 25 base ticks (at most 8). The nearest rate that fits is "
+            "102.4 Hz; or write 'base_rate: 25600 Hz' to have the finer tick."
+        ),
     ),
     "a rate that does not fit the base rate": (
         "rates:",
         "base_rate: 1536\nrates:",
-        "s.yaml:5:18: the rate control (1024 Hz) does not fit base_rate, 1536 Hz, which must be a "
-        "whole multiple of it. The nearest rate that fits is 768 Hz.",
+        (
+            "s.yaml:5:18: the rate control (1024 Hz) does not fit base_rate, 1536 Hz, which "
+            "must be a "
+            "whole multiple of it. The nearest rate that fits is 768 Hz."
+        ),
     ),
     "unknown rate": (
         "station: a, rate: control",
@@ -82,14 +98,19 @@ MISTAKES = {
     "unknown model": (
         "left: {fmu: pantograph",
         "left: {fmu: pantogrph",
-        "s.yaml:6:15: components.left: no bundled FMU is called 'pantogrph'. Did you mean "
-        "pantograph? A file needs a path that ends in .fmu.",
+        (
+            "s.yaml:6:15: components.left: no bundled FMU is called 'pantogrph'. Did you mean "
+            "pantograph? A file needs a path that ends in .fmu."
+        ),
     ),
     "no kind": (
         "left: {fmu: pantograph, ",
         "left: {",
-        "s.yaml:6:3: components.left: it has no kind; give it one of 'fmu', 'python', 'device', "
-        "'playback'.",
+        (
+            "s.yaml:6:3: components.left: it has no kind; give it one of 'fmu', 'python', "
+            "'device', "
+            "'playback'."
+        ),
     ),
     "two kinds": (
         "left: {fmu: pantograph,",
@@ -104,20 +125,28 @@ MISTAKES = {
     "no URL": (
         "third: {fmu: pantograph",
         "third: {device: haply",
-        "s.yaml:8:19: components.third: 'haply' is no device URL; write 'driver://port', such as "
-        "'mock://'.",
+        (
+            "s.yaml:8:19: components.third: 'haply' is no device URL; write 'driver://port', "
+            "such as "
+            "'mock://'."
+        ),
     ),
     "no class": (
         "third: {fmu: pantograph",
         "third: {python: model.py",
-        "s.yaml:8:19: components.third: 'model.py' is no Python class; write "
-        "'package.module:Class'.",
+        (
+            "s.yaml:8:19: components.third: 'model.py' is no Python class; write "
+            "'package.module:Class'."
+        ),
     ),
     "bad name": (
         "  third:",
         "  3rd: {fmu: pantograph, rate: control}\n  third:",
-        "s.yaml:8:3: components.3rd: the text '3rd' is no name: letters, digits and '_', a letter "
-        "first.",
+        (
+            "s.yaml:8:3: components.3rd: the text '3rd' is no name: letters, digits and '_', a "
+            "letter "
+            "first."
+        ),
     ),
     "a name of two things": (
         "channels:\n",
@@ -142,8 +171,10 @@ MISTAKES = {
     "two forms of delay": (
         "round_trip_delay: 1",
         "round_trip_delay: 1, each_way_delay: 1",
-        "s.yaml:10:3: channels.lan: the delay is given twice: round_trip_delay and "
-        "each_way_delay; keep one of them.",
+        (
+            "s.yaml:10:3: channels.lan: the delay is given twice: round_trip_delay and "
+            "each_way_delay; keep one of them."
+        ),
     ),
     "half a delay": (
         "round_trip_delay: 1",
@@ -153,32 +184,45 @@ MISTAKES = {
     "half a sample": (
         "round_trip_delay: 1",
         "round_trip_delay: 1.5",
-        "s.yaml:10:59: channels.lan.round_trip_delay: 1.5 is not a whole number of samples; write "
-        "a time, such as '2.44 ms', and it is rounded up to base ticks.",
+        (
+            "s.yaml:10:59: channels.lan.round_trip_delay: 1.5 is not a whole number of samples; "
+            "write "
+            "a time, such as '2.44 ms', and it is rounded up to base ticks."
+        ),
     ),
     "negative delay": (
         "round_trip_delay: 1",
         "round_trip_delay: -1 ms",
-        "s.yaml:10:59: channels.lan.round_trip_delay: -1 ms is out of range: a delay is at least 0 "
-        "and at most 10000000.",
+        (
+            "s.yaml:10:59: channels.lan.round_trip_delay: -1 ms is out of range: a delay is at "
+            "least 0 "
+            "and at most 10000000."
+        ),
     ),
     "no probability": (
         "round_trip_delay: 1",
         "loss: 2",
-        "s.yaml:10:47: channels.lan.loss: 2 is not a probability: it is from 0 to 1 ('20 %' is "
-        "0.2).",
+        (
+            "s.yaml:10:47: channels.lan.loss: 2 is not a probability: it is from 0 to 1 ('20 %' is "
+            "0.2)."
+        ),
     ),
     "no probability in a burst": (
         "round_trip_delay: 1",
         "loss: {forward: {good_to_bad: 2, bad_to_good: 1}, backward: 0}",
-        "s.yaml:10:71: channels.lan.loss.forward.good_to_bad: 2 is not a probability: it is from 0 "
-        "to 1 ('20 %' is 0.2).",
+        (
+            "s.yaml:10:71: channels.lan.loss.forward.good_to_bad: 2 is not a probability: it is "
+            "from 0 "
+            "to 1 ('20 %' is 0.2)."
+        ),
     ),
     "a chain that is stuck": (
         "round_trip_delay: 1",
         "loss: {good_to_bad: 0, bad_to_good: 0}",
-        "s.yaml:10:47: channels.lan.loss: good_to_bad and bad_to_good are both 0: the chain is "
-        "stuck.",
+        (
+            "s.yaml:10:47: channels.lan.loss: good_to_bad and bad_to_good are both 0: the chain is "
+            "stuck."
+        ),
     ),
     "a trace that is not there": (
         "round_trip_delay: 1",
@@ -193,15 +237,21 @@ MISTAKES = {
     "no connection": (
         "right.joint_angle -> third.motor_torque",
         "right.joint_angle, third.motor_torque",
-        "s.yaml:13:5: connections.1: 'right.joint_angle, third.motor_torque' is not a connection; "
-        "write 'source.output -> target.input', with 'via CHANNEL', 'at RATE', 'delay TIME' behind "
-        "it.",
+        (
+            "s.yaml:13:5: connections.1: 'right.joint_angle, third.motor_torque' is not a "
+            "connection; "
+            "write 'source.output -> target.input', with 'via CHANNEL', 'at RATE', 'delay TIME' "
+            "behind "
+            "it."
+        ),
     ),
     "an unknown clause": (
         "third.motor_torque",
         "third.motor_torque through lan",
-        "s.yaml:13:5: connections.1: 'through lan' is not understood; write 'source.output -> "
-        "target.input', with 'via CHANNEL', 'at RATE', 'delay TIME' behind it.",
+        (
+            "s.yaml:13:5: connections.1: 'through lan' is not understood; write 'source.output -> "
+            "target.input', with 'via CHANNEL', 'at RATE', 'delay TIME' behind it."
+        ),
     ),
     "an end without a variable": (
         "-> third.motor_torque",
@@ -211,8 +261,10 @@ MISTAKES = {
     "an unknown component": (
         "-> third.motor_torque",
         "-> thrid.motor_torque",
-        "s.yaml:13:5: there is no component 'thrid' (right.joint_angle -> thrid.motor_torque). "
-        "Did you mean third?",
+        (
+            "s.yaml:13:5: there is no component 'thrid' (right.joint_angle -> thrid.motor_torque). "
+            "Did you mean third?"
+        ),
     ),
     "an unknown channel": (
         "via lan",
@@ -222,14 +274,20 @@ MISTAKES = {
     "stations without a channel": (
         " via lan",
         "",
-        "s.yaml:12:5: left.joint_angle -> right.motor_torque goes from the station a to b without "
-        "a channel; add 'via lan'.",
+        (
+            "s.yaml:12:5: left.joint_angle -> right.motor_torque goes from the station a to b "
+            "without "
+            "a channel; add 'via lan'."
+        ),
     ),
     "a channel inside a station": (
         "third.motor_torque\n",
         "third.motor_torque via lan\n",
-        "s.yaml:13:5: right.joint_angle -> third.motor_torque stays inside the station b; leave "
-        "'via' out.",
+        (
+            "s.yaml:13:5: right.joint_angle -> third.motor_torque stays inside the station b; "
+            "leave "
+            "'via' out."
+        ),
     ),
     "a delay beside a channel": (
         "via lan",
@@ -244,8 +302,10 @@ MISTAKES = {
     "what a channel knows, at the wrong end": (
         "right.joint_angle -> third.motor_torque",
         "lan.backward.age -> third.motor_torque",
-        "s.yaml:13:5: lan.backward.age is known in the station a, where the packets arrive; "
-        "third.motor_torque is in b.",
+        (
+            "s.yaml:13:5: lan.backward.age is known in the station a, where the packets arrive; "
+            "third.motor_torque is in b."
+        ),
     ),
     "an unknown signal to record": (
         "[left.*]",
@@ -270,14 +330,19 @@ MISTAKES = {
     "an open bracket": (
         "record: [left.*]",
         "record: [left.*",
-        "s.yaml:15:7: broken YAML: expected ',' or ']', but got ':' (while parsing a flow "
-        "sequence).",
+        (
+            "s.yaml:15:7: broken YAML: expected ',' or ']', but got ':' (while parsing a flow "
+            "sequence)."
+        ),
     ),
     "an unknown anchor": (
         "title: Two devices and a network",
         "title: *name",
-        "s.yaml:2:8: broken YAML: found undefined alias 'name'; an anchor '&name' must come before "
-        "its '*name'.",
+        (
+            "s.yaml:2:8: broken YAML: found undefined alias 'name'; an anchor '&name' must come "
+            "before "
+            "its '*name'."
+        ),
     ),
     "a tag": (
         "title: Two",
@@ -297,8 +362,10 @@ MISTAKES = {
     "yes for true": (
         "third: {fmu: pantograph",
         "third: {fmu: pantograph, feedthrough: yes",
-        "s.yaml:8:41: components.third.feedthrough: this must be true or false, not the text "
-        "'yes'.",
+        (
+            "s.yaml:8:41: components.third.feedthrough: this must be true or false, not the text "
+            "'yes'."
+        ),
     ),
     "an archive that does not exist": (
         "third: {fmu: pantograph",
@@ -308,8 +375,11 @@ MISTAKES = {
     "an unknown flavour": (
         "third: {fmu: pantograph",
         "third: {fmu: pantograph, flavour: fmi4",
-        "s.yaml:8:37: components.third.flavour: this must be 'fmi2', 'fmi3' or 'fmi3-arrays', not "
-        "the text 'fmi4'. Did you mean fmi3?",
+        (
+            "s.yaml:8:37: components.third.flavour: this must be 'fmi2', 'fmi3' or "
+            "'fmi3-arrays', not "
+            "the text 'fmi4'. Did you mean fmi3?"
+        ),
     ),
     "an empty value": (
         "title: Two devices and a network",

@@ -1,0 +1,222 @@
+"""The side that sends time-tagged, counted packets at a set rate and notes what comes back."""
+
+from __future__ import annotations
+
+import select
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import InputError, RunError
+from cosim.link.handshake import Handshake
+from cosim.link.keys import PreSharedKey
+from cosim.link.netchar.relay import (
+    CLIENT,
+    CONTRACT,
+    ECHO,
+    LARGEST,
+    OVERHEAD,
+    PROBE,
+    SERVER,
+    SMALLEST,
+)
+from cosim.link.packet import HEADER, Kind, Opener, Sealer
+from cosim.link.transport import LARGEST_READ, UdpTransport
+
+Times = NDArray[np.int64]
+
+
+def _times(count: int) -> Times:
+    return np.zeros(count, dtype=np.int64)
+
+
+@dataclass(slots=True)
+class Measurement:
+    """What happened to each of ``count`` packets; times in ns, 0 where a packet did not return.
+
+    ``sent`` and ``returned`` are of this side's clock, ``received`` and ``relayed`` of the other's,
+    all of shape (count,). ``order`` holds the packet numbers in the order of their return.
+    """
+
+    rate: float
+    size: int
+    sent: Times
+    returned: Times
+    received: Times
+    relayed: Times
+    order: list[int] = field(default_factory=list[int])
+    duplicates: int = 0
+    forged: int = 0
+    relay_first: tuple[int, int] | None = None
+    """Of the first packet that came back: its number, and how many the other side had received."""
+    relay_last: tuple[int, int] = (0, 0)
+    """The same of the one with the highest count."""
+    late_sends: int = 0
+    """Packets sent more than half a period after their time."""
+
+    @property
+    def count(self) -> int:
+        """Packets sent."""
+        return len(self.sent)
+
+
+class Probe:
+    """A session with a relay; each :meth:`measure` is one run of packets."""
+
+    def __init__(self, link: socket.socket, key: PreSharedKey) -> None:
+        self._link = link
+        self._transport = UdpTransport(link)
+        self._handshake = Handshake(own=CLIENT, peer=SERVER, key=key, contract=CONTRACT)
+        self._buffer = memoryview(bytearray(LARGEST_READ))
+        self._plain = memoryview(bytearray(LARGEST))
+        self._sealer: Sealer | None = None
+        self._opener: Opener | None = None
+        self._sent = 0
+
+    def connect(self, timeout: float = 3.0) -> None:
+        """Shake hands with the relay.
+
+        Raises:
+            RunError: nobody answers, or with another key.
+        """
+        end = time.monotonic() + timeout
+        while not self._handshake.settled:
+            if time.monotonic() > end:
+                raise RunError(
+                    "no relay answered: is 'cohaptic netchar serve' running there, with the same "
+                    "key, reachable through the firewall, and not busy with another measurement?"
+                )
+            now = time.monotonic_ns()
+            question = self._handshake.poll(now)
+            if question is not None:
+                self._transport.send(question)
+            select.select([self._link], [], [], 0.02)
+            size = self._transport.receive(self._buffer)
+            if size >= 0:
+                answer = self._handshake.receive(bytes(self._buffer[:size]), now)
+                if answer is not None:
+                    self._transport.send(answer)
+        keys = self._handshake.session
+        assert keys is not None
+        self._sealer = Sealer(keys.outgoing, keys.session)
+        self._opener = Opener(keys.incoming, keys.session)
+
+    def measure(
+        self,
+        *,
+        rate: float,
+        duration: float,
+        size: int = 280,
+        wait: float = 1.0,
+        progress: Callable[[int, int, int], None] | None = None,
+        stop: Callable[[], bool] = lambda: False,
+    ) -> Measurement:
+        """Send ``rate`` packets a second of ``size`` bytes for ``duration`` seconds.
+
+        Waits ``wait`` seconds for the last ones. ``progress`` gets (sent, returned, count).
+        ``stop`` ends the sending early; what was sent until then is the measurement.
+
+        Raises:
+            InputError: rate, duration or size make no sense.
+        """
+        count = _check(rate, duration, size)
+        assert self._sealer is not None
+        self._forget_old()
+        first = self._sent
+        result = Measurement(rate, size, _times(count), _times(count), _times(count), _times(count))
+        datagram = memoryview(bytearray(size))
+        plain = memoryview(bytearray(size - OVERHEAD))
+        period = 1e9 / rate
+        start = time.monotonic_ns() + 2_000_000
+        sent, next_progress = 0, start
+        while sent < count and not stop():
+            due = start + round(sent * period)
+            now = time.monotonic_ns()
+            if now < due:
+                self._collect(result, first, due)
+                continue
+            result.late_sends += now - due > period / 2
+            PROBE.pack_into(plain, 0, now)
+            self._sealer.seal(Kind.PROBE, 0, plain, datagram)
+            result.sent[sent] = now
+            self._transport.send(datagram)
+            sent += 1
+            self._sent += 1
+            if now >= next_progress:
+                next_progress = now + 250_000_000
+                self._collect(result, first, now)
+                if progress is not None:
+                    progress(sent, len(result.order), count)
+        end = time.monotonic_ns() + round(wait * 1e9)
+        while len(result.order) < sent and time.monotonic_ns() < end:
+            self._collect(result, first, min(end, time.monotonic_ns() + 50_000_000))
+        if progress is not None:
+            progress(sent, len(result.order), count)
+        for name in ("sent", "returned", "received", "relayed"):
+            setattr(result, name, getattr(result, name)[:sent])
+        return result
+
+    def _forget_old(self) -> None:
+        while self._transport.discard():
+            pass
+
+    def _collect(self, result: Measurement, first: int, until: int) -> None:
+        """Take what comes until ``until`` (ns); at least what is there."""
+        while True:
+            size = self._transport.receive(self._buffer)
+            if size >= 0:
+                self._take(self._buffer[:size], result, first)
+                continue
+            left = until - time.monotonic_ns()
+            # The last stretch is left to the sender's own look at the clock.
+            if left <= 100_000 or not select.select([self._link], [], [], left * 1e-9 - 5e-5)[0]:
+                return
+
+    def _take(self, datagram: memoryview, result: Measurement, first: int) -> None:
+        assert self._opener is not None
+        size = len(datagram)
+        plain = self._plain[: max(0, size - OVERHEAD)]
+        genuine = (
+            size == result.size
+            and datagram[3] == Kind.ECHO
+            and HEADER.unpack_from(datagram)[5] == self._opener.session
+            and self._opener.open(datagram, plain)
+        )
+        if not genuine:
+            result.forged += 1
+            return
+        arrived = self._transport.arrival()
+        sent, received, relayed, relay_count = ECHO.unpack_from(plain)
+        # Which packet this answers is told by its time, which no two packets share.
+        number = int(np.searchsorted(result.sent[: self._sent - first], np.int64(sent)))
+        if number >= self._sent - first or result.sent[number] != sent:
+            result.forged += 1
+            return
+        if result.returned[number]:
+            result.duplicates += 1
+            return
+        result.returned[number] = arrived
+        result.received[number] = received
+        result.relayed[number] = relayed
+        result.order.append(number)
+        if result.relay_first is None:
+            result.relay_first = (number, relay_count)
+        if relay_count >= result.relay_last[1]:
+            result.relay_last = (number, relay_count)
+
+
+def _check(rate: float, duration: float, size: int) -> int:
+    if not 0.1 <= rate <= 1e5:
+        message = f"a rate of {rate:g} packets a second cannot be sent; 0.1 to 100000 can"
+        raise InputError(message)
+    if not 0.0 < duration <= 86_400.0:
+        message = f"a measurement of {duration:g} s cannot be made; above 0 and up to a day can"
+        raise InputError(message)
+    if not SMALLEST <= size <= LARGEST:
+        message = f"a packet of {size} bytes cannot be sent; {SMALLEST} to {LARGEST} bytes can"
+        raise InputError(message)
+    return max(1, round(rate * duration))

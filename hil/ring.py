@@ -1,0 +1,104 @@
+"""A ring of records in shared memory: the loop writes, recorder, console and live view read.
+
+One writer, any number of readers in other processes, no lock: a slow reader loses the oldest
+records and is told how many, and never holds up the loop. Each record carries its own number before
+and after its cells, so that a reader notices one that was overwritten while it looked. The memory
+is a mapped file, so that what was written survives a loop that was killed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+_HEAD_CELLS = 8
+_MAGIC = 0x636F68617074
+
+
+class Ring:
+    """``capacity`` records of ``cells`` doubles each; the writer creates, readers attach."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with path.open("r+b") as file:
+            self._memory = mmap.mmap(file.fileno(), 0)
+        head = np.frombuffer(self._memory, np.int64, _HEAD_CELLS)
+        if int(head[0]) != _MAGIC:
+            raise FileNotFoundError(f"{path} is no ring of ours")
+        self.head = head
+        self.capacity, self.cells = int(head[2]), int(head[3])
+        body = np.frombuffer(self._memory, np.int64, offset=8 * _HEAD_CELLS)
+        records = body.reshape(self.capacity, self.cells + 2)
+        self.before, self.after = records[:, 0], records[:, -1]
+        """Each record's number; -1 while it is being written."""
+        self.values: NDArray[np.float64] = records[:, 1:-1].view(np.float64)
+        """Shape (capacity, cells)."""
+
+    @classmethod
+    def create(cls, cells: int, capacity: int = 4096, path: Path | None = None) -> Self:
+        """A new ring, in memory where the system has a place for that."""
+        if path is None:
+            shared = Path("/dev/shm")
+            folder = shared if shared.is_dir() else Path(tempfile.gettempdir())
+            path = Path(tempfile.mkstemp(prefix="cohaptic-ring-", dir=folder)[1])
+        empty = np.full(_HEAD_CELLS + capacity * (cells + 2), -1, np.int64)
+        empty[:4] = (_MAGIC, 0, capacity, cells)
+        path.write_bytes(empty.tobytes())
+        return cls(path)
+
+    @property
+    def written(self) -> int:
+        """Records written so far."""
+        return int(self.head[1])
+
+    def write(self, values: Sequence[float] | NDArray[np.float64]) -> None:
+        """Append one record of ``cells`` doubles."""
+        number = int(self.head[1])
+        place = number % self.capacity
+        self.before[place] = -1
+        self.values[place] = values
+        self.after[place] = number
+        self.before[place] = number
+        self.head[1] = number + 1
+
+    def close(self) -> None:
+        """Let go of the mapping."""
+        del self.head, self.before, self.after, self.values
+        with contextlib.suppress(BufferError):
+            self._memory.close()
+
+    def remove(self) -> None:
+        """Let go, and remove the file; who is attached can still read."""
+        self.close()
+        self.path.unlink(missing_ok=True)
+
+
+class Reader:
+    """Reads a ring from now on, or from its oldest record."""
+
+    def __init__(self, ring: Ring, *, oldest: bool = False) -> None:
+        self._ring = ring
+        self._next = max(0, ring.written - ring.capacity) if oldest else ring.written
+        self.lost = 0
+        """Records that were overwritten before they were read."""
+
+    def read(self, most: int = 1_000_000) -> NDArray[np.float64]:
+        """The new records, oldest first: shape (n, cells), n up to ``most``."""
+        ring = self._ring
+        end = min(ring.written, self._next + most)
+        first = min(max(self._next, ring.written - ring.capacity), end)
+        numbers = np.arange(first, end)
+        rows = numbers % ring.capacity
+        values = ring.values[rows]
+        # Looked at after the cells: what was overwritten meanwhile has another number by now.
+        whole = (ring.before[rows] == numbers) & (ring.after[rows] == numbers)
+        self.lost += (end - self._next) - int(whole.sum())
+        self._next = end
+        return values[whole]

@@ -1,0 +1,291 @@
+"""netchar recovers what a network does, with the link's authentication and without amplifying."""
+
+from __future__ import annotations
+
+import json
+import random
+import threading
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cosim.cli.netchar import command
+from cosim.errors import InputError, RunError
+from cosim.link.handshake import MESSAGE_SIZE, RETRY, Handshake
+from cosim.link.impairment import Impairment
+from cosim.link.netchar.preset import channel_preset
+from cosim.link.netchar.probe import Measurement, Probe
+from cosim.link.netchar.relay import (
+    CLIENT,
+    CONTRACT,
+    ECHO,
+    OVERHEAD,
+    PROBE,
+    SERVER,
+    SMALLEST,
+    Caps,
+    Relay,
+    serve,
+)
+from cosim.link.netchar.search import search_rate
+from cosim.link.netchar.statistics import characterise, fit_bursts
+from cosim.link.packet import Kind, Opener, Sealer
+from cosim.link.proxy import Proxy
+from cosim.link.transport import Address, open_socket
+from tests.link.support import KEY, OTHER_KEY
+
+LOCAL = Address("127.0.0.1", 0)
+
+
+@contextmanager
+def relay_behind(forward: Impairment, backward: Impairment, key=KEY):
+    """A relay with a proxy in front, each in a thread; yields (where to probe, proxy, relay)."""
+    stop = threading.Event()
+    link = open_socket(LOCAL, None)
+    relay = Relay(key, Caps())
+    proxy = Proxy(LOCAL, Address(*link.getsockname()), forward, backward, seed=5)
+    threads = [
+        threading.Thread(
+            target=serve,
+            args=(link, relay),
+            kwargs={"stop": stop.is_set, "report": lambda: None},
+        ),
+        threading.Thread(target=proxy.run, args=(stop,)),
+    ]
+    for thread in threads:
+        thread.start()
+    try:
+        yield proxy.address, proxy, relay
+    finally:
+        stop.set()
+        for thread in threads:
+            thread.join()
+        link.close()
+
+
+def test_delay_jitter_and_loss_of_a_proxy_are_recovered_within_five_percent() -> None:
+    there = Impairment(delay=0.040, jitter=0.008, loss=0.04)
+    back = Impairment(delay=0.025, jitter=0.005, loss=0.02)
+    with relay_behind(there, back) as (address, proxy, _), open_socket(LOCAL, address) as link:
+        probe = Probe(link, KEY)
+        probe.connect(timeout=20.0)
+        done = proxy.forward.injected, proxy.backward.injected
+        before = [(len(d.delays), len(d.outcomes), d.lost) for d in done]
+        measurement = probe.measure(rate=400, duration=4)
+    found = characterise(measurement)
+    delays = [np.array(d.delays[start[0] :]) for d, start in zip(done, before, strict=True)]
+    lost = [d.lost - start[2] for d, start in zip(done, before, strict=True)]
+    assert found.round_trip is not None
+    assert found.forward is not None
+    assert found.backward is not None
+    assert found.round_trip.mean == pytest.approx(sum(d.mean() for d in delays), rel=0.05)
+    assert found.forward.rms_jitter == pytest.approx(delays[0].std(), rel=0.05)
+    assert found.backward.rms_jitter == pytest.approx(delays[1].std(), rel=0.05)
+    assert found.loss.packets == sum(lost)
+    assert found.loss.fraction == pytest.approx(0.04 + 0.96 * 0.02, rel=0.35)
+    assert found.loss.forward == pytest.approx(lost[0], rel=0.2)
+    assert found.forged == 0
+
+
+def test_copies_and_overtaking_are_counted() -> None:
+    back = Impairment(duplicate=0.2, reorder=0.1)
+    with relay_behind(Impairment(), back) as (address, proxy, _), open_socket(LOCAL, address) as s:
+        probe = Probe(s, KEY)
+        probe.connect(timeout=20.0)
+        before = proxy.backward.injected.duplicated
+        kept_back = proxy.backward.injected.reordered
+        found = characterise(probe.measure(rate=300, duration=1))
+    injected = proxy.backward.injected
+    assert found.duplicates == injected.duplicated - before
+    assert 0 < found.reordered <= injected.reordered - kept_back
+    assert found.loss.packets == 0
+
+
+def test_a_relay_with_another_key_does_not_answer() -> None:
+    with relay_behind(Impairment(), Impairment(), key=OTHER_KEY) as (address, _, relay):
+        with open_socket(LOCAL, address) as link, pytest.raises(RunError, match="no relay answer"):
+            Probe(link, KEY).connect(timeout=0.3)
+        assert relay.dropped + relay._handshake.dropped > 0
+
+
+class Session:
+    """A client that shakes hands with a relay by function calls."""
+
+    def __init__(self, relay: Relay, sender=("127.0.0.1", 5000), now: int = 0) -> None:
+        self.relay, self.sender = relay, sender
+        handshake = Handshake(own=CLIENT, peer=SERVER, key=KEY, contract=CONTRACT)
+        message = handshake.poll(now)
+        while message is not None:
+            answer = relay.take(memoryview(message), sender, now, lambda: now)
+            message = None if answer is None else handshake.receive(bytes(answer), now)
+        keys = handshake.session
+        self.connected = keys is not None
+        if keys is not None:
+            self.sealer = Sealer(keys.outgoing, keys.session)
+            self.opener = Opener(keys.incoming, keys.session)
+
+    def probe(self, sent: int, size: int = 100) -> bytes:
+        plain = bytearray(size - OVERHEAD)
+        PROBE.pack_into(plain, 0, sent)
+        datagram = bytearray(size)
+        self.sealer.seal(Kind.PROBE, 0, memoryview(plain), memoryview(datagram))
+        return bytes(datagram)
+
+    def ask(self, datagram: bytes, at: int, sender=None) -> bytes | None:
+        answer = self.relay.take(memoryview(datagram), sender or self.sender, at, lambda: at)
+        return None if answer is None else bytes(answer)
+
+
+@pytest.mark.parametrize("size", [SMALLEST, 280, 1200, 1232])
+def test_an_answer_is_exactly_as_long_as_its_question(size: int) -> None:
+    session = Session(Relay(KEY, Caps()))
+    answer = session.ask(session.probe(7, size), 9)
+    assert answer is not None
+    assert len(answer) == size
+    plain = memoryview(bytearray(size - OVERHEAD))
+    assert session.opener.open(memoryview(answer), plain)
+    assert ECHO.unpack_from(plain) == (7, 9, 9, 1)
+
+
+def test_nothing_unauthentic_and_nothing_twice_is_answered() -> None:
+    relay = Relay(KEY, Caps())
+    session = Session(relay)
+    first = session.probe(1)
+    assert session.ask(first, 1) is not None
+    assert session.ask(first, 2) is None
+    changed = bytearray(session.probe(2))
+    changed[40] ^= 1
+    assert session.ask(bytes(changed), 3) is None
+    assert session.ask(session.probe(3), 4, sender=("10.0.0.9", 5000)) is None
+    assert session.ask(bytes(60), 5) is None
+    assert session.ask(b"", 6) is None
+    assert session.ask(bytes(MESSAGE_SIZE), 6) is None
+    assert relay.received == 1
+
+
+def test_rate_and_duration_are_capped() -> None:
+    relay = Relay(KEY, Caps(rate=100.0, duration=10.0))
+    session = Session(relay)
+    answers = [session.ask(session.probe(n), n * 1_000_000) for n in range(1, 5001)]
+    assert 500 <= sum(a is not None for a in answers) <= 500 + 33
+    assert session.ask(session.probe(9), 11 * 10**9) is None
+
+
+def test_a_running_measurement_is_not_taken_over() -> None:
+    relay = Relay(KEY, Caps())
+    session = Session(relay)
+    assert session.ask(session.probe(1), RETRY) is not None
+    assert not Session(relay, ("10.0.0.9", 1), now=2 * RETRY).connected
+    assert session.ask(session.probe(2), 3 * RETRY) is not None
+    assert Session(relay, ("10.0.0.9", 1), now=10 * 10**9).connected
+
+
+def losses(seed: int, count: int, good_to_bad: float, bad_to_good: float, loss_bad: float):
+    draw = random.Random(seed)
+    bad = draw.random() < good_to_bad / (good_to_bad + bad_to_good)
+    lost = np.zeros(count, dtype=bool)
+    for number in range(count):
+        if draw.random() < (bad_to_good if bad else good_to_bad):
+            bad = not bad
+        lost[number] = bad and draw.random() < loss_bad
+    return lost
+
+
+@pytest.mark.parametrize("loss_bad", [1.0, 0.5])
+def test_the_fitted_bursts_are_those_that_made_the_losses(loss_bad: float) -> None:
+    """A tenth: the standard error of Gilbert's estimates at this length is about 3 %."""
+    fit = fit_bursts(losses(3, 400_000, 0.005, 0.1, loss_bad))
+    assert fit is not None
+    assert fit.good_to_bad == pytest.approx(0.005, rel=0.12)
+    assert fit.bad_to_good == pytest.approx(0.1, rel=0.12)
+    assert fit.loss_bad == pytest.approx(loss_bad, rel=0.05)
+
+
+@pytest.mark.parametrize("probability", [0.0, 0.001, 0.05, 0.5])
+def test_independent_losses_are_no_bursts(probability: float) -> None:
+    draw = np.random.default_rng(1)
+    assert fit_bursts(draw.random(50_000) < probability) is None
+
+
+def measurement(rate: float, trip: float = 0.002, lost: float = 0.0, growth: float = 0.0):
+    count = 200
+    sent = (np.arange(count) * 1e9 / rate).astype(np.int64) + 1
+    trips = (trip + growth * np.arange(count)) * 1e9
+    returned = sent + trips.astype(np.int64)
+    returned[: int(lost * count)] = 0
+    half = ((sent + returned) // 2) * (returned > 0)
+    order = [int(n) for n in np.flatnonzero(returned)]
+    return Measurement(rate, 100, sent, returned, half, half.copy(), order)
+
+
+def test_the_search_finds_the_knee_of_a_shaper() -> None:
+    def shaper(rate: float) -> Measurement:
+        return measurement(rate, lost=max(0.0, 1.0 - 1500.0 / rate))
+
+    found = search_rate(shaper)
+    assert 1500.0 / 1.1 <= found.achievable <= 1510.0
+    assert "lost" in found.limit
+
+
+def test_the_search_sees_a_queue_that_grows_and_its_own_end() -> None:
+    found = search_rate(lambda rate: measurement(rate, growth=1e-4 if rate > 600 else 0.0))
+    assert 540 <= found.achievable <= 600
+    assert "queue" in found.limit
+    free = search_rate(measurement, highest=1000.0)
+    assert free.achievable == 1000.0
+    assert free.limit == "the highest rate that was tried"
+
+
+def test_the_preset_is_a_channel_of_a_scenario() -> None:
+    from ruamel.yaml import YAML
+
+    found = characterise(measurement(128.0, trip=0.010))
+    channel = YAML(typ="safe").load(channel_preset(found, name="there"))
+    assert channel["delay"] == {"forward": "5.0000 ms", "backward": "5.0000 ms"}
+    assert channel["loss"] == {"forward": 0, "backward": 0}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["probe", "127.0.0.1"], "SERVER is host:port"),
+        (["probe", "192.0.2.1:5000"], "there is no key"),
+        (["serve", "--listen", "0.0.0.0:0"], "there is no key"),
+        (["serve", "--listen", "192.0.2.77:0", "--key", "KEY"], "cannot listen on"),
+    ],
+)
+def test_what_cannot_be_is_a_sentence(options, message, tmp_path) -> None:
+    from cosim.link.keys import create_key_file
+
+    create_key_file(tmp_path / "KEY")
+    options = [str(tmp_path / o) if o == "KEY" else o for o in options]
+    result = CliRunner().invoke(command, options)
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)
+
+
+def test_the_probe_command_prints_one_json_object_and_writes_preset_and_figure(
+    tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("cosim.cli.netchar._key", lambda path: KEY)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    with relay_behind(Impairment(), Impairment()) as (address, _, _relay):
+        result = CliRunner().invoke(
+            command,
+            [
+                "probe",
+                str(address),
+                "--duration=0.3",
+                f"--out={tmp_path / 'lan.yaml'}",
+                f"--figure={tmp_path / 'lan.png'}",
+                "--json",
+            ],
+            catch_exceptions=False,
+        )
+    facts = json.loads(result.stdout)
+    assert facts["sent"] == 38
+    assert facts["round_trip"]["mean"] > 0
+    assert (tmp_path / "lan.png").stat().st_size > 1000
+    assert "jitter:" in (tmp_path / "lan.yaml").read_text()
