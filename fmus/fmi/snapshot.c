@@ -57,6 +57,9 @@ Status snapshot_get(Instance *i, const char *function, void **snapshot)
         return ERROR;
     if (s == NULL)
         return instance_complain(i, ERROR, "%s: memory has run out.", function);
+    /* With the outputs up to date, equal states are equal bytes. */
+    if (i->clock.phase == PHASE_STEP && i->is_outdated)
+        instance_evaluate(i);
     memcpy(s->magic, magic, sizeof magic);
     s->format = FORMAT;
     memcpy(s->digest, model_digest, sizeof s->digest);

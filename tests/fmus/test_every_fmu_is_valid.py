@@ -6,11 +6,11 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import fmu_support as support
 import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-import fmu_support as support
 from fmus.compiler import PLATFORMS
 from fmus.description3 import TERMINALS_FILE
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import fmu_support as support
 import numpy as np
 import pytest
 from fmpy import simulate_fmu
-
-import fmu_support as support
 
 TICKS = 16
 

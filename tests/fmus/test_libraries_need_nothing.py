@@ -6,9 +6,9 @@ import ctypes
 import zipfile
 from pathlib import Path
 
+import fmu_support as support
 import pytest
 
-import fmu_support as support
 from fmus.builder import FOLDER, Source, build_fmus
 from fmus.compiler import BuildError, host_platform
 from fmus.symbols import fmi_functions, problems_of, symbols_of

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 import fmu_support as support
+import pytest
 
 FLAVOURS = ("fmi2", "fmi3", "fmi3-arrays")
 
