@@ -128,7 +128,7 @@ def compile_library(
         BuildError: the compiler refused, or it is not installed.
     """
     output.parent.mkdir(parents=True, exist_ok=True)
-    command = [str(_zig()), "cc", "-target", target.target, *FLAGS, "-s", "-shared"]
+    command = [str(compiler_path()), "cc", "-target", target.target, *FLAGS, "-s", "-shared"]
     command += [f"-I{folder}" for folder in include]
     command += [f"-D{define}" for define in defines]
     command += [str(source) for source in sources]
@@ -145,7 +145,12 @@ def compile_library(
         raise BuildError(f"{output.name} could not be compiled for {target.name}:\n{said}")
 
 
-def _zig() -> Path:
+def compiler_path() -> Path:
+    """The ``zig`` program.
+
+    Raises:
+        BuildError: it is not installed.
+    """
     try:
         import ziglang  # only builds need the compiler
     except ImportError:

@@ -58,17 +58,17 @@ class Instance:
         for path, value in values.items():
             self[path] = value
 
-    def initialise(self, start_time: float = 0.0, **parameters: Any) -> None:
-        """Set parameters and start at ``start_time`` (s).
+    def initialise(self, at: float = 0.0, /, **parameters: Any) -> None:
+        """Set parameters and start at time ``at`` (s).
 
         Raises:
             ModelError: the model refused its parameters.
         """
         self.set(parameters)
-        self.time = start_time
+        self.time = at
         self._raise(
             self._library.development_initialise(
-                self._slots.ctypes.data, self._state.ctypes.data, start_time
+                self._slots.ctypes.data, self._state.ctypes.data, at
             )
         )
 
