@@ -89,28 +89,36 @@ static double command(const Variables *v, const State *s, int axis)
     return v->force_rectify[axis] ? half_wave(signal).value : signal.value;
 }
 
+static void hand_impedance(const Variables *v, double stiffness[AXES], double damping[AXES])
+{
+    for (int axis = 0; axis < AXES; ++axis)
+        switch (v->impedance) {
+        case OPERATOR_IMPEDANCE_RELAXED:
+            stiffness[axis] = 100.0, damping[axis] = 3.0;
+            break;
+        case OPERATOR_IMPEDANCE_NORMAL:
+            stiffness[axis] = 300.0, damping[axis] = 8.0;
+            break;
+        case OPERATOR_IMPEDANCE_STIFF:
+            stiffness[axis] = 800.0, damping[axis] = 15.0;
+            break;
+        default:
+            stiffness[axis] = v->stiffness[axis], damping[axis] = v->damping[axis];
+        }
+}
+
 void model_outputs(Variables *v, const State *s)
 {
-    double stiffness = v->stiffness, damping = v->damping;
-    switch (v->impedance) {
-    case OPERATOR_IMPEDANCE_RELAXED:
-        stiffness = 100.0, damping = 3.0;
-        break;
-    case OPERATOR_IMPEDANCE_NORMAL:
-        stiffness = 300.0, damping = 8.0;
-        break;
-    case OPERATOR_IMPEDANCE_STIFF:
-        stiffness = 800.0, damping = 15.0;
-        break;
-    }
+    double stiffness[AXES], damping[AXES];
+    hand_impedance(v, stiffness, damping);
     for (int axis = 0; axis < AXES; ++axis) {
         const Signal wanted = reference(v, s, axis);
         v->reference_position[axis] = wanted.value;
         v->reference_velocity[axis] = wanted.rate;
         v->force_command[axis] = command(v, s, axis);
         v->force[axis] = v->force_command[axis] +
-                         stiffness * (wanted.value - v->position[axis]) +
-                         damping * (wanted.rate - v->velocity[axis]);
+                         stiffness[axis] * (wanted.value - v->position[axis]) +
+                         damping[axis] * (wanted.rate - v->velocity[axis]);
     }
 }
 

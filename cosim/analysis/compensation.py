@@ -1,0 +1,81 @@
+"""``compensation: auto`` of a distributed workstation: the b_c that nulls the network's damping.
+
+Each copy of the box gets the same b_c, computed at the scenario's own rates and delay:
+
+- ``auto``: along x and y the original model of section 6.1 with one finger a user on the normal
+  couplers, everyone holding the box; in rotation the simplified model. It cancels what users feel
+  while they all hold on, and is too much for a box that nobody holds.
+- ``cautious``: the simplified model on all axes. It cancels less, and never drives a free box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from cosim.errors import InputError
+from cosim.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from cosim.analysis.grasp import Grasp
+    from cosim.scenario import Scenario
+
+CHOICES = ("auto", "cautious")
+
+
+def load_tuned(
+    path: str | PathLike[str],
+    overlays: Sequence[str | PathLike[str]] = (),
+    sets: Sequence[str] = (),
+) -> Scenario:
+    """Load a scenario and put numbers in place of every ``compensation: auto``.
+
+    The numbers are in the resolved scenario, as if they had been written.
+
+    Raises:
+        InputError: as :func:`cosim.scenario.load`, or the theory cannot tell the compensation.
+    """
+    from cosim.scenario import load
+
+    scenario = load(path, overlays, sets)
+    wanted = {
+        name: str(part.parameters["compensation"])
+        for name, part in scenario.components.items()
+        if isinstance(part.parameters.get("compensation"), str)
+    }
+    if not wanted:
+        return scenario
+    from cosim.analysis.grasp import WORKSTATION, find_grasp
+
+    for name, choice in wanted.items():
+        place = scenario.locate(("components", name, "parameters", "compensation"))
+        if choice not in CHOICES:
+            hint = did_you_mean(choice, CHOICES)
+            raise InputError(
+                f"compensation is {{x, y, theta}}, auto or cautious, not '{choice}'.{hint}", place
+            )
+        if scenario.components[name].source != WORKSTATION:
+            raise InputError(
+                f"compensation: {choice} is for a distributed_workstation; the network damps no "
+                "other model's box.",
+                place,
+            )
+    grasp = find_grasp(scenario)
+    found = {choice: _compensation(grasp, choice) for choice in set(wanted.values())}
+    numbers: list[str] = []
+    for name, choice in wanted.items():
+        parameter = f"components.{name}.parameters.compensation"
+        numbers.append(f"{parameter}=~")
+        numbers += [f"{parameter}.{axis}={b_c!r}" for axis, b_c in found[choice].items()]
+    return load(path, overlays, [*sets, *numbers])
+
+
+def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:
+    """b_c along x and y (N·s/m) and in rotation (N·m·s/rad)."""
+    from cosim.theory.compensation import null_compensation
+
+    kind = "original" if choice == "auto" else "simplified"
+    linear = null_compensation(grasp.model("normal"), grasp.timing, 0, kind).value
+    rotation = null_compensation(grasp.model("rotation"), grasp.timing, 0, "simplified").value
+    return {"x": linear, "y": linear, "theta": rotation}
