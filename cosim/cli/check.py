@@ -59,11 +59,11 @@ def _check(
     scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
+    from cosim.analysis import load_tuned
     from cosim.master.simulation import assemble
-    from cosim.scenario import load
     from cosim.scenario.describe import describe
 
-    loaded = load(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets)
     with assemble(loaded) as simulation:
         return loaded, {**describe(loaded), **_plan(simulation)}
 

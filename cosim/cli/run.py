@@ -54,12 +54,12 @@ def command(
     Exit status: 0 good; 1 the run failed, was interrupted, or an expectation was not met;
     2 something that was given cannot be used.
     """
-    from cosim.scenario import load
+    from cosim.analysis import load_tuned
     from cosim.session import run_scenario
 
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets)
     with _progress(loaded) as progress:
         finished = run_scenario(loaded, out, progress=progress, figure=figure)
     if as_json:
