@@ -48,7 +48,9 @@ def draw_overview(
         figure: Any = importlib.import_module("matplotlib.figure").Figure(
             figsize=SIZE, dpi=DPI, layout="constrained"
         )
-        if find_platform(run.signals).copies:
+        if run.ticks == 0:
+            figure.text(0.5, 0.5, "nothing was recorded", ha="center", color="0.4")
+        elif find_platform(run.signals).copies:
             _draw_platform(figure, run, summaries)
         else:
             _draw_signals(figure, run, summaries)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from synthetic_run import write
 
 from cosim.cli.record import command
 from cosim.errors import InputError
@@ -51,4 +50,3 @@ def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
 
 def test_compact_says_what_it_did(small_run: Path) -> None:
     assert "nothing was cut" in invoke("compact", small_run)
-    assert write is not None
