@@ -19,6 +19,7 @@ from cosim.suggest import did_you_mean
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
 _WITHOUT_CELL = {VariableType.STRING, VariableType.BINARY}
+_SIGNALS = {Causality.INPUT, Causality.OUTPUT, Causality.LOCAL}
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class Interface:
     def unit(self, variable: str) -> Unit | None:
         """The unit of a variable, if it has one."""
         name = self.variables[variable].unit
-        if name is None:
+        if not name:
             return None
         from cosim.master.units import parse_unit
 
@@ -90,19 +91,18 @@ class Interface:
     def select(self, path: str) -> Selection:
         """What ``path`` stands for: a variable, an array, a terminal or a dotted group.
 
-        A terminal comes before a parameter of the same name, because no parameter is connected.
-
         Raises:
             InputError: there is nothing of that name.
         """
         variable = self.variables.get(path)
-        hidden = variable is not None and variable.causality is Causality.PARAMETER
-        if path in self.terminals and (variable is None or hidden):
-            return Selection("terminal", dict(self._terminal(path)), named=True)
+        if variable is not None and not has_cells(variable) and path in self.terminals:
+            variable = None  # a parameter beside a terminal of the same name
         if variable is not None and not has_cells(variable):
+            what = variable.causality if variable.causality not in _SIGNALS else variable.type
             raise InputError(
-                f"{self.component}.{path} is a {variable.type} variable; only numbers, booleans "
-                "and enumerations can be connected or recorded"
+                f"{self.component}.{path} is of causality or type '{what}'; only inputs, outputs "
+                "and local variables that are numbers, booleans or enumerations can be connected "
+                "or recorded"
             )
         if variable is not None:
             members = {
@@ -119,6 +119,8 @@ class Interface:
         if array:
             ordered = sorted(array, key=lambda text: [int(i) for i in text.split(",")])
             return Selection("array", {f"[{i}]": array[i] for i in ordered}, named=False)
+        if path in self.terminals:
+            return Selection("terminal", dict(self._terminal(path)), named=True)
         prefix = f"{path}."
         group = {
             name.removeprefix(prefix): element
@@ -152,8 +154,8 @@ class Interface:
 
 
 def has_cells(variable: Variable) -> bool:
-    """Whether the variable's values are cells, that is anything but text and binary data."""
-    return variable.type not in _WITHOUT_CELL and variable.causality is not Causality.INDEPENDENT
+    """Whether the variable's values live in cells: a signal that is neither text nor binary."""
+    return variable.type not in _WITHOUT_CELL and variable.causality in _SIGNALS
 
 
 def size_of(variable: Variable) -> int:

@@ -84,53 +84,71 @@ def build_graph(
 def order(graph: Graph) -> list[Stage] | list[Atom]:
     """The stages in order, or the atoms of a loop where there is one.
 
-    Of the units that could go on, one that can finish comes first, then the one with most to do;
-    names break ties, so the order of a scenario's components changes nothing.
+    Of the units that could go on, one that can finish comes first; then one that must be split
+    because what is left of it depends on what is ready of it; then the one with most to do. Names
+    break ties, so the order of a scenario's components changes nothing.
     """
-    remaining: dict[Unit, dict[str | int, int]] = {}
-    dependents: dict[Atom, list[Atom]] = {}
-    for atom, needed in graph.needs.items():
-        remaining.setdefault(atom[0], {})[atom[1]] = len(needed)
-        for other in needed:
-            dependents.setdefault(other, []).append(atom)
+    behind = _everything_behind(graph)
+    if behind is None:
+        return _find_loop(graph)
+    bit = {atom: 1 << number for number, atom in enumerate(graph.needs)}
+    waiting: dict[Unit, set[Atom]] = {}
+    for atom in graph.needs:
+        waiting.setdefault(atom[0], set()).add(atom)
 
     stages: list[Stage] = []
-    while remaining:
-        unit, ready = _next_stage(remaining)
-        if not ready:
-            return _find_loop(graph, remaining)
-        stages.append(Stage(unit, ready))
-        for name in ready:
-            del remaining[unit][name]
-            for other_unit, other_name in dependents.get((unit, name), ()):
-                remaining[other_unit][other_name] -= 1
-        if not remaining[unit]:
-            del remaining[unit]
+    done = 0
+    while waiting:
+        best: tuple[int, int, str] | None = None
+        chosen: tuple[Unit, set[Atom]] = ("", set())
+        for unit, atoms in waiting.items():
+            ready = {atom for atom in atoms if behind[atom] & ~done == 0}
+            if not ready:
+                continue
+            own = sum(bit[atom] for atom in ready)
+            left = atoms - ready
+            must_split = any(behind[atom] & own for atom in left)
+            rank = (0 if not left else 1 if must_split else 2, -len(ready), str(unit))
+            if best is None or rank < best:
+                best, chosen = rank, (unit, ready)
+        unit, ready = chosen
+        stages.append(Stage(unit, tuple(sorted((name for _, name in ready), key=str))))
+        done |= sum(bit[atom] for atom in ready)
+        waiting[unit] -= ready
+        if not waiting[unit]:
+            del waiting[unit]
     return stages
 
 
-def _next_stage(
-    remaining: Mapping[Unit, Mapping[str | int, int]],
-) -> tuple[Unit, tuple[str | int, ...]]:
-    best: tuple[bool, int, str] | None = None
-    chosen: tuple[Unit, tuple[str | int, ...]] = ("", ())
-    for unit, waiting in remaining.items():
-        ready = tuple(name for name, count in waiting.items() if count == 0)
-        if not ready:
-            continue
-        rank = (len(ready) < len(waiting), -len(ready), str(unit))
-        if best is None or rank < best:
-            best, chosen = rank, (unit, tuple(sorted(ready, key=str)))
-    return chosen
+def _everything_behind(graph: Graph) -> dict[Atom, int] | None:
+    """For each atom, the set (as bits) of all that it needs in the end; ``None``: a loop."""
+    bit = {atom: 1 << number for number, atom in enumerate(graph.needs)}
+    missing = {atom: len(needed) for atom, needed in graph.needs.items()}
+    dependents: dict[Atom, list[Atom]] = {}
+    for atom, needed in graph.needs.items():
+        for other in needed:
+            dependents.setdefault(other, []).append(atom)
+    behind = dict.fromkeys(graph.needs, 0)
+    ready = [atom for atom, count in missing.items() if count == 0]
+    for atom in ready:  # grows while it is read
+        for dependent in dependents.get(atom, ()):
+            behind[dependent] |= behind[atom] | bit[atom]
+            missing[dependent] -= 1
+            if missing[dependent] == 0:
+                ready.append(dependent)
+    return behind if len(ready) == len(graph.needs) else None
 
 
-def _find_loop(graph: Graph, remaining: Mapping[Unit, Mapping[str | int, int]]) -> list[Atom]:
-    stuck = {(unit, name) for unit, waiting in remaining.items() for name in waiting}
+def _find_loop(graph: Graph) -> list[Atom]:
+    stuck = dict(graph.needs)
+    while free := [a for a, needed in stuck.items() if not any(b in stuck for b in needed)]:
+        for atom in free:
+            del stuck[atom]
     atom = min(stuck, key=str)
     path: list[Atom] = []
     while atom not in path:
         path.append(atom)
-        atom = min((other for other in graph.needs[atom] if other in stuck), key=str)
+        atom = min((other for other in stuck[atom] if other in stuck), key=str)
     return path[path.index(atom) :][::-1]
 
 
