@@ -13,7 +13,8 @@ import hashlib
 import numpy as np
 from numpy.typing import NDArray
 
-_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_GOLDEN = 0x9E3779B97F4A7C15
+_MASK = 0xFFFFFFFFFFFFFFFF
 _FIRST = np.uint64(0xBF58476D1CE4E5B9)
 _SECOND = np.uint64(0x94D049BB133111EB)
 
@@ -29,10 +30,9 @@ def draws(key: int, purpose: int, first: int, count: int) -> NDArray[np.uint64]:
 
     ``purpose`` separates the several draws that one packet needs.
     """
-    counters = np.arange(first, first + count, dtype=np.uint64)
-    steps = np.array([purpose + 1], dtype=np.uint64) * _GOLDEN
-    stream = _mix(np.array([key], dtype=np.uint64) + steps)
-    return _mix(stream + (counters + np.uint64(1)) * _GOLDEN)
+    counters = np.arange(first + 1, first + count + 1, dtype=np.uint64)
+    stream = _mix(np.array([(key + (purpose + 1) * _GOLDEN) & _MASK], dtype=np.uint64))
+    return _mix(stream + counters * np.uint64(_GOLDEN))
 
 
 def thresholds(probabilities: list[float]) -> NDArray[np.uint64]:
