@@ -192,8 +192,8 @@ class _Wirer:
         names = f"{_source_name(self.interfaces, connection, pair)} ({there.type})"
         into = f"{_name(self.interfaces, pair.target)} ({here.type})"
         from_integer = here.type.is_float and not there.type.is_float
-        if from_integer and there.type is VariableType.BOOLEAN:
-            raise InputError(f"{names} cannot drive {into}: a boolean is not a number")
+        if from_integer and there.type in {VariableType.BOOLEAN, VariableType.ENUMERATION}:
+            raise InputError(f"{names} cannot drive {into}: it is not a number")
         if there.type.is_float and not here.type.is_float:
             raise InputError(f"{names} cannot drive {into}: a real value does not fit an integer")
         integer = not there.type.is_float and not here.type.is_float

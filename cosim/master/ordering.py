@@ -149,7 +149,9 @@ def _find_loop(graph: Graph) -> list[Atom]:
     while atom not in path:
         path.append(atom)
         atom = min((other for other in stuck[atom] if other in stuck), key=str)
-    return path[path.index(atom) :][::-1]
+    loop = path[path.index(atom) :][::-1]
+    first = loop.index(min(loop, key=str))
+    return loop[first:] + loop[:first]
 
 
 def refuse_loop(loop: list[Atom], graph: Graph, wiring: Wiring, *, at_start: bool) -> InputError:
@@ -165,7 +167,8 @@ def refuse_loop(loop: list[Atom], graph: Graph, wiring: Wiring, *, at_start: boo
         before = loop[position - 1]
         entry = graph.needs[unit, name].get(before)
         connection = _connection(wiring, unit, entry)
-        advice = advice or connection
+        if not advice or (at_start and isinstance(before[0], int)):
+            advice = connection
         parts.append(f"{unit}.{entry} -> {unit}.{name}")
     first = parts[0].split(" -> ")[0]
     cycle = " -> ".join([*parts, first])

@@ -13,7 +13,7 @@ from cosim.errors import InputError
 from cosim.master import python
 from cosim.master.clock import Clock
 from cosim.master.counter import stream_key
-from cosim.master.fmu import choose_substeps
+from cosim.master.fmu import choose_substeps, find_binary
 from cosim.master.fmu_description import FmuDescription, read_description
 from cosim.master.interface import Interface
 from cosim.master.parameters import SETTABLE, STARTABLE, resolve_values
@@ -88,6 +88,7 @@ def _read_fmu(written: scenarios.Component, clock: Clock, problems: Problems) ->
     else:
         path = Path(written.source)
     description = read_description(path)
+    find_binary(description)
     parameters = _values(written, description, "parameters", written.parameters, problems)
     structure = {
         name: int(elements[0])

@@ -197,7 +197,7 @@ class ReferenceLoop:
         participant = self.assembly.participants[component]
         described = participant.interface.variables[variable]
         values: list[Number] = list(participant.start.get(variable) or element_start(described))
-        for wire in self.wires[key]:
+        for wire in self.wires.get(key, ()):
             value = self._value(wire.source)
             values[wire.target.index] = (
                 value if wire.is_plain else float(value) * wire.gain + wire.offset

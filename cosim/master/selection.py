@@ -49,7 +49,7 @@ def select_recorded(
     A pattern takes outputs, connected inputs and facts about packets; any other variable is
     recorded where it is named exactly, or as an array, terminal or group.
     """
-    driven = {(target.component, target.variable) for target in wiring.connection_of}
+    driven = set(wiring.connection_of)
     candidates = [
         *_variables(scenario, interfaces, driven),
         *_packet_facts(scenario, wiring),
@@ -81,14 +81,14 @@ def describe_groups(
 
 
 def _variables(
-    scenario: Scenario, interfaces: Mapping[str, Interface], driven: set[tuple[str, str]]
+    scenario: Scenario, interfaces: Mapping[str, Interface], driven: set[Signal]
 ) -> Iterator[_Candidate]:
     for component, interface in sorted(interfaces.items()):
         period = scenario.components[component].period
         for name, element in interface.elements.items():
             causality = interface.variables[element.variable].causality
-            usual = causality is Causality.OUTPUT or (component, element.variable) in driven
             signal = Signal(component, element.variable, element.index)
+            usual = causality is Causality.OUTPUT or signal in driven
             yield _Candidate(f"{component}.{name}", signal, period, usual)
 
 

@@ -166,9 +166,10 @@ class Simulation:
         plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
         self.program.compile(plan, self._fmus, self.assembly.columns)
         self._start_components()
-        stop_time = self.assembly.clock.seconds(end)
-        for fmu in self._fmus.values():
-            fmu.enter_initialisation(stop_time)
+        for name, fmu in self._fmus.items():
+            period = self.assembly.parts[name].period
+            last = -(-end // period) * period  # the end of its last step may lie beyond the run's
+            fmu.enter_initialisation(self.assembly.clock.seconds(last))
         while (stop := self._evaluate(INITIAL)) is Stop.CALL:
             self._serve()
         self._raise_unless_done(stop)

@@ -1,0 +1,104 @@
+"""A Python component takes an FMU's place, and the numbers are the same; a paced run's too."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from master_support import run, scenario_of
+from test_single_axis_proof import GAINS, SCENARIOS
+
+from cosim.errors import InputError, RunError
+from cosim.master.pacing import DeadlinePacer
+from cosim.master.recording import MemorySink
+from cosim.master.simulation import assemble
+
+
+def test_a_coupler_in_python_gives_the_bits_of_the_fmu(tmp_path: Path) -> None:
+    channel = {"round_trip_delay": 1, "loss": 0.1}
+    written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], channel)
+    expected, _ = run(scenario_of(tmp_path, written), until=200)
+    for name in ("coupler_11", "coupler_o2"):
+        component = written["components"][name]
+        del component["fmu"]
+        component["python"] = "master_parts:Spring"
+    actual, _ = run(scenario_of(tmp_path, written), until=200)
+    for name in ("hand_1.position", "object_2.velocity", "coupler_11.force", "coupler_o2.reaction"):
+        np.testing.assert_array_equal(actual.signal(name), expected.signal(name))
+
+
+def test_its_seed_follows_from_its_name_alone(tmp_path: Path) -> None:
+    part = {"python": "master_parts:Growing", "rate": 1024}
+    seeds = []
+    for names in (("x", "y"), ("y", "x", "z")):
+        written = {"duration": 0.01, "seed": 5, "components": dict.fromkeys(names, part)}
+        _, simulation = run(scenario_of(tmp_path, written))
+        component = simulation.assembly.participants["x"].component
+        seeds.append(component.setup.seed)  # type: ignore[union-attr]
+    assert seeds[0] == seeds[1]
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("master_parts:Sprin", "Did you mean Spring?"),
+        ("no_such_module:Spring", "cannot be imported"),
+        ("master_parts:Setup", "not a subclass"),
+    ],
+)
+def test_a_class_that_cannot_be_used(tmp_path: Path, source: str, sentence: str) -> None:
+    written = {"duration": 0.01, "components": {"mine": {"python": source, "rate": 1024}}}
+    with pytest.raises(InputError, match=sentence.replace("?", r"\?")):
+        assemble(scenario_of(tmp_path, written))
+
+
+class FakeTime:
+    """A clock that sleeping moves, and that work moves by what ``late`` says."""
+
+    def __init__(self) -> None:
+        self.now = 0
+        self.slept: list[float] = []
+
+    def __call__(self) -> int:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += max(1, round(seconds * 1e9))
+
+
+def test_a_paced_run_gives_the_same_numbers(tmp_path: Path) -> None:
+    written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], {"round_trip_delay": 1})
+    expected, _ = run(scenario_of(tmp_path, written), until=100)
+    fake, sink = FakeTime(), MemorySink()
+    pacer = DeadlinePacer(Fraction(1, 1024), clock=fake, sleep=fake.sleep)
+    outcome = assemble(scenario_of(tmp_path, written)).run(sink, until=100, pacer=pacer)
+    assert outcome.ticks == 100
+    assert abs(fake.now * 1e-9 - 99 / 1024) < 2e-9
+    np.testing.assert_array_equal(
+        sink.signal("hand_1.position"), expected.signal("hand_1.position")
+    )
+
+
+def test_a_late_tick_moves_the_grid_and_nothing_is_run_in_a_burst() -> None:
+    fake = FakeTime()
+    pacer = DeadlinePacer(Fraction(1, 1000), clock=fake, sleep=fake.sleep)
+    pacer.start(0)
+    starts: list[float] = []
+    for tick in range(6):
+        pacer.wait(tick)
+        starts.append(fake.now * 1e-6)
+        fake.now += 3_400_000 if tick == 2 else 100_000
+    assert starts == [0, 1, 2, pytest.approx(5.4), 6, 7]
+    assert (pacer.misses, pacer.slipped) == (1, 2)
+    assert pacer.worst == pytest.approx(2.4e-3)
+
+
+def test_the_policy_stop_ends_the_run() -> None:
+    fake = FakeTime()
+    pacer = DeadlinePacer(Fraction(1, 1000), policy="stop", clock=fake, sleep=fake.sleep)
+    pacer.start(0)
+    fake.now = 2_500_000
+    with pytest.raises(RunError, match="after its deadline"):
+        pacer.wait(0)
