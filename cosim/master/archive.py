@@ -7,9 +7,12 @@ import shutil
 import stat
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path, PurePosixPath
 
 from cosim.errors import InputError
+
+_DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError)
 
 MAX_UNPACKED = 2 << 30
 """Largest archive that is unpacked (bytes)."""
@@ -49,7 +52,7 @@ def unpack(path: Path) -> Path:
             archive.extractall(scratch)
             scratch.chmod(0o755)
             _move(scratch, folder)
-        except (zipfile.BadZipFile, EOFError, ValueError, NotImplementedError) as error:
+        except _DAMAGE as error:
             raise InputError(f"the FMU {path} is a damaged zip archive: {error}") from None
         except OSError as error:
             raise InputError(
