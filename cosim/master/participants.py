@@ -70,10 +70,15 @@ def setup_of(scenario: Scenario, participant: Participant) -> Setup:
         for name, elements in participant.parameters.items()
         if name in participant.interface.variables
     }
+    declared = {
+        variable.name: variable.start
+        for variable in participant.interface.variables.values()
+        if variable.causality is Causality.PARAMETER and variable.start is not None
+    }
     written = scenario.components[participant.name].parameters
     return Setup(
         name=participant.name,
-        parameters={**written, **values},
+        parameters={**declared, **written, **values},
         tick=(tick.numerator, tick.denominator),
         period=participant.period,
         seed=stream_key(scenario.seed, "component", participant.name),

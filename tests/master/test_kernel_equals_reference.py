@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from master_support import run, scenario_of
-from test_single_axis_proof import GAINS, SCENARIOS
+from single_axis import ARCHITECTURES, GAINS, single_axis
 
 import fmus.probe
 from cosim.master.assemble import put_together
@@ -39,12 +40,9 @@ def assert_same(scenario: Scenario, ticks: int = TICKS) -> None:
 
 
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3", "fmi3-arrays"])
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", ARCHITECTURES)
 def test_on_the_single_axis(tmp_path: Path, name: str, flavour: str) -> None:
-    written = SCENARIOS[name](GAINS[name]["soft"], CHANNEL)
-    for component in written["components"].values():
-        component["flavour"] = flavour
-    assert_same(scenario_of(tmp_path, written))
+    assert_same(single_axis(tmp_path, name, GAINS[name]["soft"], CHANNEL, flavour=flavour))
 
 
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3", "fmi3-arrays"])
@@ -119,25 +117,29 @@ def everything(sink: MemorySink) -> dict[str, bytes]:
 
 
 def test_archives_of_both_versions_give_the_same_bytes(tmp_path: Path) -> None:
-    found: list[dict[str, bytes]] = []
-    for flavour in ("fmi2", "fmi3", "fmi3-arrays"):
-        written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], CHANNEL)
-        for component in written["components"].values():
-            component["flavour"] = flavour
-        found.append(everything(run(scenario_of(tmp_path, written))[0]))
+    gains = GAINS["distributed"]["soft"]
+    found = [
+        everything(run(single_axis(tmp_path, "distributed", gains, CHANNEL, flavour=flavour))[0])
+        for flavour in ("fmi2", "fmi3", "fmi3-arrays")
+    ]
     assert found[0] == found[1] == found[2]
 
 
 def test_the_same_seed_gives_the_same_bytes_and_order_is_irrelevant(tmp_path: Path) -> None:
-    written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], CHANNEL) | {"seed": 3}
-    shuffled = {
-        **written,
-        "components": dict(reversed(written["components"].items())),
-        "connections": written["connections"][::-1],
-    }
-    first, again, other_order = (
-        everything(run(scenario_of(tmp_path, each))[0]) for each in (written, written, shuffled)
+    def bytes_of(**more: Any) -> dict[str, bytes]:
+        gains = GAINS["distributed"]["soft"]
+        scenario = single_axis(tmp_path, "distributed", gains, CHANNEL, more={"seed": 3, **more})
+        return everything(run(scenario)[0])
+
+    first = bytes_of()
+    assert bytes_of() == first
+    assert bytes_of(seed=4) != first
+
+    scenario = single_axis(tmp_path, "distributed", GAINS["distributed"]["soft"], CHANNEL)
+    turned = replace(
+        scenario,
+        seed=3,
+        components=dict(reversed(scenario.components.items())),
+        connections=scenario.connections[::-1],
     )
-    assert first == again == other_order
-    another = everything(run(scenario_of(tmp_path, written | {"seed": 4}))[0])
-    assert another != first
+    assert everything(run(turned)[0]) == first

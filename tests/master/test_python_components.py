@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from master_support import run, scenario_of
-from test_single_axis_proof import GAINS, SCENARIOS
+from single_axis import GAINS, single_axis
 
 from cosim.errors import InputError, RunError
 from cosim.master.pacing import DeadlinePacer
@@ -17,14 +17,19 @@ from cosim.master.simulation import assemble
 
 
 def test_a_coupler_in_python_gives_the_bits_of_the_fmu(tmp_path: Path) -> None:
-    channel = {"round_trip_delay": 1, "loss": 0.1}
-    written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], channel)
-    expected, _ = run(scenario_of(tmp_path, written), until=200)
-    for name in ("coupler_11", "coupler_o2"):
-        component = written["components"][name]
-        del component["fmu"]
-        component["python"] = "master_parts:Spring"
-    actual, _ = run(scenario_of(tmp_path, written), until=200)
+    gains, channel = GAINS["distributed"]["soft"], {"round_trip_delay": 1, "loss": 0.1}
+    expected, _ = run(single_axis(tmp_path, "distributed", gains, channel), until=200)
+    more = {
+        "components": {
+            name: {
+                "python": "master_parts:Spring",
+                "parameters": {"stiffness": gains[gain], "damping": 10.0},
+            }
+            for name, gain in (("coupler_11", "k_own"), ("coupler_o2", "k_o"))
+        }
+    }
+    scenario = single_axis(tmp_path, "distributed", gains, channel, more=more)
+    actual, _ = run(scenario, until=200)
     for name in ("hand_1.position", "object_2.velocity", "coupler_11.force", "coupler_o2.reaction"):
         np.testing.assert_array_equal(actual.signal(name), expected.signal(name))
 
@@ -69,11 +74,11 @@ class FakeTime:
 
 
 def test_a_paced_run_gives_the_same_numbers(tmp_path: Path) -> None:
-    written = SCENARIOS["distributed"](GAINS["distributed"]["soft"], {"round_trip_delay": 1})
-    expected, _ = run(scenario_of(tmp_path, written), until=100)
+    scenario = single_axis(tmp_path, "distributed", GAINS["distributed"]["soft"], {"loss": 0.1})
+    expected, _ = run(scenario, until=100)
     fake, sink = FakeTime(), MemorySink()
     pacer = DeadlinePacer(Fraction(1, 1024), clock=fake, sleep=fake.sleep)
-    outcome = assemble(scenario_of(tmp_path, written)).run(sink, until=100, pacer=pacer)
+    outcome = assemble(scenario).run(sink, until=100, pacer=pacer)
     assert outcome.ticks == 100
     assert abs(fake.now * 1e-9 - 99 / 1024) < 2e-9
     np.testing.assert_array_equal(
