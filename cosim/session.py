@@ -122,12 +122,14 @@ def _report(
 ) -> Summary:
     summaries = recorder.summaries()
     with open_run(folder) as run:
-        summary = summarise(run, expectations, summaries)
-        write_json(folder / SUMMARY_FILE, summary.content)
+        content = summarise(run, expectations, summaries).content
         if figure:
             from cosim.report.overview import draw_overview
 
-            draw_overview(run, folder / FIGURE_FILE, summaries, facts(summary.content))
+            draw_overview(run, folder / FIGURE_FILE, summaries, facts(content))
+    # Last, so that it is the peak of everything, the figure included.
+    summary = Summary({**content, "peak_memory": peak_memory()})
+    write_json(folder / SUMMARY_FILE, summary.content)
     return summary
 
 
@@ -149,7 +151,6 @@ def _timing(outcome: Outcome, recorder: _FolderRecorder, scenario: Scenario) -> 
         "wall_time": wall_time,
         "real_time_factor": simulated / wall_time if wall_time else 0.0,
         "start_up_time": recorder.start_up_time,
-        "peak_memory": peak_memory(),
     }
 
 

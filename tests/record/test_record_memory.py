@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -48,4 +49,23 @@ def test_ten_minutes_take_the_memory_of_ten_seconds(tmp_path: Path) -> None:
         return int(done.stdout)
 
     short, long = peak(10), peak(600)
+    assert long < 1.05 * short
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read in /proc")
+def test_two_users_take_less_than_300_mb_however_long(tmp_path: Path) -> None:
+    """The whole process, FMUs, summary and figure included."""
+
+    def peak(seconds: int) -> int:
+        command = [sys.executable, "-c", "from cosim.cli import main; main()", "run"]
+        options = ["--json", "--duration", str(seconds), "--out", str(tmp_path / str(seconds))]
+        done = subprocess.run(
+            [*command, "two_users_box", *options], capture_output=True, check=False
+        )
+        (tmp_path / str(seconds) / "run.h5").unlink()
+        return json.loads(done.stdout)["peak_memory"]
+
+    short, long = peak(10), peak(300)
+    assert long < 300e6
     assert long < 1.05 * short
