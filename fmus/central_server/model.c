@@ -39,7 +39,7 @@ void model_outputs(Variables *v, const State *s)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
-    environment_outputs(v, &s->station, &s->world, &s->environment, measured, &forces);
+    environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     for (int p = 0; p < PEERS; p++) {
         v->to_client[p].finger_1_force[0] = forces.peer[p][0].force.x;
         v->to_client[p].finger_1_force[1] = forces.peer[p][0].force.y;
@@ -59,7 +59,6 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
-    world_step(&s->world, &s->environment, &forces);
-    station_commit(v, &s->own, measured);
+    environment_commit(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     return NULL;
 }

@@ -45,6 +45,7 @@ MODEL = Model(
         "box.c",
         "contact.c",
         "finger.c",
+        "passivity.c",
         "velocity_estimator.c",
         "five_bar.c",
     ),

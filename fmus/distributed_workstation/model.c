@@ -55,7 +55,7 @@ void model_outputs(Variables *v, const State *s)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
-    environment_outputs(v, &s->station, &s->world, &s->environment, measured, &forces);
+    environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     WRITE_FINGER(1);
     WRITE_FINGER(2);
     WRITE_BOX(v->shared, &s->environment.box);
@@ -71,7 +71,6 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
-    world_step(&s->world, &s->environment, &forces);
-    station_commit(v, &s->own, measured);
+    environment_commit(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     return NULL;
 }

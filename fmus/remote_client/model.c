@@ -39,7 +39,7 @@ void model_outputs(Variables *v, const State *s)
     FingerMeasurement measured[FINGERS];
     station_measure(v, &s->station, &s->own, measured);
     for (int f = 0; f < FINGERS; f++)
-        station_render(v, &s->station, f, &measured[f], finger_force(v, f, &measured[f]));
+        station_render(v, &s->station, &s->own, f, &measured[f], finger_force(v, f, &measured[f]));
     WRITE_FINGER(1);
     WRITE_FINGER(2);
     WRITE_SOURCE(v->up, v, measured, s->own.tick, 0);
@@ -58,6 +58,8 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     if (wrong) return wrong;
     FingerMeasurement measured[FINGERS];
     station_measure(v, &s->station, &s->own, measured);
-    station_commit(v, &s->own, measured);
+    Vector force[FINGERS];
+    for (int f = 0; f < FINGERS; f++) force[f] = finger_force(v, f, &measured[f]);
+    station_commit(v, &s->station, &s->own, measured, force);
     return NULL;
 }

@@ -31,7 +31,7 @@ MODEL = Model(
         planar("box_pose", "Pose of the server's box, for display", POSE, _BOX),
         planar("box_velocity", "Velocity of the server's box, for display", VELOCITY, _BOX),
     ),
-    sources=("model.c", "finger.c", "velocity_estimator.c", "five_bar.c"),
+    sources=("model.c", "finger.c", "passivity.c", "velocity_estimator.c", "five_bar.c"),
     terminals=(
         *workstation.finger_terminals(),
         workstation.packet_terminal("up", "What the server is told", _UP),

@@ -128,12 +128,12 @@ static FingerInput peer_finger(bool present, const double position[2], const dou
         (target).finger_2_contact_losses = (forces)->peer_contact[p][1].losses; \
     } while (0)
 
-static void environment_outputs(Variables *v, const Station *station, const World *world,
-                                const WorldState *state, const FingerMeasurement measured[FINGERS],
+static void environment_outputs(Variables *v, const Station *station, const StationState *own,
+                                const World *world, const WorldState *state, const FingerMeasurement measured[FINGERS],
                                 const WorldForces *forces)
 {
     for (int f = 0; f < FINGERS; f++) {
-        station_render(v, station, f, &measured[f], forces->own[f].force);
+        station_render(v, station, own, f, &measured[f], forces->own[f].force);
         v->finger[f].normal_force = forces->own[f].along.normal;
         v->finger[f].tangential_force = forces->own[f].along.tangential;
         v->finger[f].contact_state = forces->own_contact[f].mode;
@@ -147,6 +147,15 @@ static void environment_outputs(Variables *v, const Station *station, const Worl
     WRITE_PLANAR(v->wall_wrench, forces->from_walls);
     v->wall_penetration = forces->wall_penetration;
     v->box_energy = box_energy(&world->box, &state->box);
+}
+
+static void environment_commit(const Variables *v, const Station *station, StationState *own,
+                               const World *world, WorldState *state,
+                               const FingerMeasurement measured[FINGERS], const WorldForces *forces)
+{
+    const Vector force[FINGERS] = {forces->own[0].force, forces->own[1].force};
+    world_step(world, state, forces);
+    station_commit(v, station, own, measured, force);
 }
 
 static int64_t contact_bit(const WorldForces *forces)

@@ -51,17 +51,23 @@ FingerMeasurement finger_measure(const Finger *finger, const FingerState *state,
     return measured;
 }
 
-void finger_commit(FingerState *state, const FingerMeasurement *measured, int64_t sample_age,
-                   int64_t tick)
+Vector finger_rendered_force(const Finger *finger, const FingerState *state,
+                             const FingerMeasurement *measured, Vector force, double *energy_after)
 {
-    state->position = measured->position;
-    if (measured->readable && sample_age <= 0) sample_window_push(&state->samples, measured->sample, tick);
+    *energy_after = state->energy;
+    if (!measured->present) return (Vector){0.0, 0.0};
+    return passive_force(&finger->passivity, state->energy, force, measured->velocity, energy_after);
 }
 
-Vector limited_force(Vector force, double max_force)
+void finger_commit(const Finger *finger, FingerState *state, const FingerMeasurement *measured,
+                   Vector force, int64_t sample_age, int64_t tick)
 {
-    const double size = hypot(force.x, force.y);
-    return size > max_force ? times(max_force / size, force) : force;
+    double energy;
+    finger_rendered_force(finger, state, measured, force, &energy);
+    state->energy = energy;
+    state->position = measured->position;
+    if (measured->readable && sample_age <= 0)
+        sample_window_push(&state->samples, measured->sample, tick);
 }
 
 void finger_torque(const Finger *finger, const FingerMeasurement *measured, Vector force,

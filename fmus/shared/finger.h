@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "five_bar.h"
+#include "passivity.h"
 #include "velocity_estimator.h"
 
 enum { STATUS_HOMED = 1, STATUS_ACTIVE = 2, STATUS_FAULT = 4, STATUS_OUTPUT = 8, STATUS_CONTACT = 16,
@@ -15,7 +16,7 @@ typedef struct {
     FiveBar bar;
     Placement place;
     double quantum;   /* of the joint angle, rad; 0: not quantised */
-    double max_force; /* N */
+    Passivity passivity;
     bool used;
     bool adaptive;    /* FOAW on the joint angles, otherwise finite difference on the tip */
     int64_t window;   /* ticks */
@@ -25,6 +26,7 @@ typedef struct {
 typedef struct {
     SampleWindow samples;
     Vector position; /* the last good one, world */
+    double energy;   /* that the user has put into what is rendered, J */
 } FingerState;
 
 typedef struct {
@@ -44,12 +46,13 @@ FingerMeasurement finger_measure(const Finger *finger, const FingerState *state,
                                  const double joint_angle[2], int64_t status, int64_t sample_age,
                                  int64_t tick);
 
-/* Take this tick's measurement into the window. */
-void finger_commit(FingerState *state, const FingerMeasurement *measured, int64_t sample_age,
-                   int64_t tick);
+/* Take this tick's measurement into the window and the force's work into the energy. */
+void finger_commit(const Finger *finger, FingerState *state, const FingerMeasurement *measured,
+                   Vector force, int64_t sample_age, int64_t tick);
 
-/* A force (N, world) no larger than the device's maximum, its direction kept. */
-Vector limited_force(Vector force, double max_force);
+/* The force that is rendered for a wanted one (N, world), and the energy after this tick. */
+Vector finger_rendered_force(const Finger *finger, const FingerState *state,
+                             const FingerMeasurement *measured, Vector force, double *energy_after);
 
 /* Joint torques of a force on the tip, tau = J' F, N.m. Zero where the finger is not present. */
 void finger_torque(const Finger *finger, const FingerMeasurement *measured, Vector force,

@@ -44,7 +44,8 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
                             geometry.base_distance),
             .place = placement(v->finger[f].base_x, v->finger[f].base_y, v->finger[f].base_angle),
             .quantum = geometry.encoder_counts > 0 ? 2.0 * M_PI / (double)geometry.encoder_counts : 0.0,
-            .max_force = v->finger[f].max_force,
+            .passivity = {v->passivity == PASSIVITY_TIME_DOMAIN, v->passivity_damping_limit,
+                          v->passivity_reserve, v->finger[f].max_force, v->sample_period},
             .used = f < v->fingers,
             .adaptive = v->velocity_estimator == VELOCITYESTIMATOR_FOAW,
             .window = v->velocity_window,
@@ -71,25 +72,29 @@ static const char *station_check_step(const Station *station, double h, Report *
                          h, station->period);
 }
 
-static void station_commit(const Variables *v, StationState *state,
-                           const FingerMeasurement measured[FINGERS])
+static void station_commit(const Variables *v, const Station *station, StationState *state,
+                           const FingerMeasurement measured[FINGERS], const Vector force[FINGERS])
 {
     for (int f = 0; f < FINGERS; f++)
-        finger_commit(&state->finger[f], &measured[f], v->finger[f].sample_age, state->tick);
+        finger_commit(&station->finger[f], &state->finger[f], &measured[f], force[f],
+                      v->finger[f].sample_age, state->tick);
     state->tick++;
 }
 
 /* Position, velocity, force and torque of one finger into its outputs. */
-static void station_render(Variables *v, const Station *station, int f,
+static void station_render(Variables *v, const Station *station, const StationState *state, int f,
                            const FingerMeasurement *measured, Vector force)
 {
-    const Vector rendered = limited_force(force, station->finger[f].max_force);
+    double energy;
+    const Vector rendered = finger_rendered_force(&station->finger[f], &state->finger[f], measured,
+                                                  force, &energy);
     v->finger[f].position[0] = measured->position.x;
     v->finger[f].position[1] = measured->position.y;
     v->finger[f].velocity[0] = measured->velocity.x;
     v->finger[f].velocity[1] = measured->velocity.y;
-    v->finger[f].force[0] = measured->present ? rendered.x : 0.0;
-    v->finger[f].force[1] = measured->present ? rendered.y : 0.0;
+    v->finger[f].force[0] = rendered.x;
+    v->finger[f].force[1] = rendered.y;
+    v->finger[f].observed_energy = energy;
     finger_torque(&station->finger[f], measured, rendered, v->finger[f].motor_torque);
 }
 

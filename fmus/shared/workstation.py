@@ -40,6 +40,19 @@ VELOCITY_ESTIMATOR = Enumeration(
     ),
 )
 
+PASSIVITY = Enumeration(
+    name="Passivity",
+    description="Whether the rendered force is kept passive",
+    items=(
+        Item(name="none", value=0, description="The force is rendered as it is"),
+        Item(
+            name="time_domain",
+            value=1,
+            description="Passivity observer and controller (Hannaford and Ryu, 2002)",
+        ),
+    ),
+)
+
 FINGER_INPUTS = ("{group}.joint_angle", "{group}.status", "{group}.sample_age")
 """What everything of a finger depends on directly."""
 
@@ -167,6 +180,22 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
             minimum=1,
             maximum=31,
         ),
+        choice("passivity", "Passivity layer on the rendered force of every own finger", PASSIVITY),
+        real(
+            "passivity_damping_limit",
+            "Largest damping of the passivity controller (chosen; above b the device is unstable)",
+            "N.s/m",
+            20.0,
+            minimum=0.0,
+        ),
+        real(
+            "passivity_reserve",
+            "Most of the user's energy that is kept to be given back; a small reserve makes the "
+            "controller act sooner. 0: no limit",
+            "J",
+            0.0,
+            minimum=0.0,
+        ),
     )
 
 
@@ -232,6 +261,12 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
             output("position", "Tip position in the world", "m", FINGER_INPUTS, size=2),
             output("velocity", "Estimated tip velocity in the world", "m/s", FINGER_INPUTS, size=2),
             output("force", "Rendered force on the finger, world", "N", rendered, size=2),
+            output(
+                "observed_energy",
+                "Energy that the user has put into what is rendered: minus the sum of T F v",
+                "J",
+                rendered,
+            ),
             *extra,
         ),
         count=FINGERS,
