@@ -7,6 +7,7 @@ struct State {
     World world;
     StationState own;
     WorldState environment;
+    SentPacket sent[PEERS];
 };
 
 const size_t model_state_size = sizeof(State);
@@ -15,6 +16,7 @@ const char *model_initialise(Variables *v, State *s, Report *r)
 {
     if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";
     const char *wrong = station_set_up(v, &s->station, &s->own, r);
+    s->station.deadband.forces_only = true;
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);
 }
 
@@ -34,20 +36,30 @@ static void evaluate(const Variables *v, const State *s, FingerMeasurement measu
     world_forces(&s->world, &s->environment, &input, forces);
 }
 
+static SentPacket send(const State *s, const WorldForces *forces, int p)
+{
+    Packet now = {.force = {forces->peer[p][0].force, forces->peer[p][1].force}};
+    pack_box(&s->environment.box, &now);
+    return packet_send(&s->station.deadband, &s->sent[p], &now, s->own.tick);
+}
+
 void model_outputs(Variables *v, const State *s)
 {
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
     environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
+    v->packets_due = v->packets_sent = 0;
     for (int p = 0; p < PEERS; p++) {
-        v->to_client[p].finger_1_force[0] = forces.peer[p][0].force.x;
-        v->to_client[p].finger_1_force[1] = forces.peer[p][0].force.y;
-        v->to_client[p].finger_2_force[0] = forces.peer[p][1].force.x;
-        v->to_client[p].finger_2_force[1] = forces.peer[p][1].force.y;
-        WRITE_BOX(v->to_client[p], &s->environment.box);
-        WRITE_SOURCE(v->to_client[p], v, measured, s->own.tick, contact_bit(&forces));
+        const SentPacket sent = send(s, &forces, p);
+        WRITE_VECTOR(v->to_client[p].finger_1_force, sent.packet.force[0]);
+        WRITE_VECTOR(v->to_client[p].finger_2_force, sent.packet.force[1]);
+        WRITE_BOX(v->to_client[p], sent.packet);
+        WRITE_SOURCE(v->to_client[p], v, measured, s->own.tick, &sent, contact_bit(&forces));
         WRITE_PEER_CONTACTS(v->client_contact[p], &forces, p);
+        if (p >= v->peers) continue;
+        v->packets_due += sent.due;
+        v->packets_sent += sent.sent;
     }
 }
 
@@ -59,6 +71,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
+    for (int p = 0; p < PEERS; p++) s->sent[p] = send(s, &forces, p);
     environment_commit(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     return NULL;
 }

@@ -7,6 +7,7 @@ struct State {
     World world;
     StationState own;
     WorldState environment;
+    SentPacket sent;
 };
 
 const size_t model_state_size = sizeof(State);
@@ -18,6 +19,7 @@ const char *model_initialise(Variables *v, State *s, Report *r)
                                    v->coupling_rotational_stiffness, v->coupling_rotational_damping,
                                    v->coupling_force_limit,          v->coupling_torque_limit};
     const char *wrong = station_set_up(v, &s->station, &s->own, r);
+    s->station.deadband.predicted = v->predictor == PREDICTOR_LINEAR;
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);
 }
 
@@ -42,13 +44,13 @@ static void evaluate(const Variables *v, const State *s, FingerMeasurement measu
     world_forces(&s->world, &s->environment, &input, forces);
 }
 
-#define WRITE_FINGER(number) \
-    do { \
-        for (int i = 0; i < 2; i++) { \
-            v->shared.finger_##number##_position[i] = v->finger[number - 1].position[i]; \
-            v->shared.finger_##number##_velocity[i] = v->finger[number - 1].velocity[i]; \
-        } \
-    } while (0)
+static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS])
+{
+    Packet now = {0};
+    pack_fingers(measured, &now);
+    pack_box(&s->environment.box, &now);
+    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+}
 
 void model_outputs(Variables *v, const State *s)
 {
@@ -56,10 +58,12 @@ void model_outputs(Variables *v, const State *s)
     WorldForces forces;
     evaluate(v, s, measured, &forces);
     environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
-    WRITE_FINGER(1);
-    WRITE_FINGER(2);
-    WRITE_BOX(v->shared, &s->environment.box);
-    WRITE_SOURCE(v->shared, v, measured, s->own.tick, contact_bit(&forces));
+    const SentPacket sent = send(s, measured);
+    WRITE_FINGERS(v->shared, sent.packet);
+    WRITE_BOX(v->shared, sent.packet);
+    WRITE_SOURCE(v->shared, v, measured, s->own.tick, &sent, contact_bit(&forces));
+    v->packets_due = sent.due;
+    v->packets_sent = sent.sent;
     for (int p = 0; p < PEERS; p++) WRITE_PEER_CONTACTS(v->peer_contact[p], &forces, p);
 }
 
@@ -71,6 +75,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     FingerMeasurement measured[FINGERS];
     WorldForces forces;
     evaluate(v, s, measured, &forces);
+    s->sent = send(s, measured);
     environment_commit(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
     return NULL;
 }

@@ -5,6 +5,7 @@
 struct State {
     Station station;
     StationState own;
+    SentPacket sent;
 };
 
 const size_t model_state_size = sizeof(State);
@@ -26,13 +27,12 @@ static Vector finger_force(const Variables *v, int f, const FingerMeasurement *m
     return force;
 }
 
-#define WRITE_FINGER(number) \
-    do { \
-        for (int i = 0; i < 2; i++) { \
-            v->up.finger_##number##_position[i] = v->finger[number - 1].position[i]; \
-            v->up.finger_##number##_velocity[i] = v->finger[number - 1].velocity[i]; \
-        } \
-    } while (0)
+static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS])
+{
+    Packet now = {0};
+    pack_fingers(measured, &now);
+    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+}
 
 void model_outputs(Variables *v, const State *s)
 {
@@ -40,9 +40,11 @@ void model_outputs(Variables *v, const State *s)
     station_measure(v, &s->station, &s->own, measured);
     for (int f = 0; f < FINGERS; f++)
         station_render(v, &s->station, &s->own, f, &measured[f], finger_force(v, f, &measured[f]));
-    WRITE_FINGER(1);
-    WRITE_FINGER(2);
-    WRITE_SOURCE(v->up, v, measured, s->own.tick, 0);
+    const SentPacket sent = send(s, measured);
+    WRITE_FINGERS(v->up, sent.packet);
+    WRITE_SOURCE(v->up, v, measured, s->own.tick, &sent, 0);
+    v->packets_due = sent.due;
+    v->packets_sent = sent.sent;
     v->box_pose.x = v->down.box_x;
     v->box_pose.y = v->down.box_y;
     v->box_pose.theta = v->down.box_theta;
@@ -60,6 +62,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     station_measure(v, &s->station, &s->own, measured);
     Vector force[FINGERS];
     for (int f = 0; f < FINGERS; f++) force[f] = finger_force(v, f, &measured[f]);
+    s->sent = send(s, measured);
     station_commit(v, &s->station, &s->own, measured, force);
     return NULL;
 }

@@ -108,14 +108,22 @@ static FingerInput peer_finger(bool present, const double position[2], const dou
         (target).theta = (planar).theta; \
     } while (0)
 
-#define WRITE_BOX(packet, box) \
+/* The box's part of a packet. */
+static void pack_box(const BoxState *box, Packet *packet)
+{
+    packet->motion[MOTION_BOX] =
+        (Motion){{box->pose.x, box->pose.y}, {box->velocity.x, box->velocity.y}};
+    packet->motion[MOTION_BOX_ANGLE] = (Motion){{box->pose.theta, 0.0}, {box->velocity.theta, 0.0}};
+}
+
+#define WRITE_BOX(target, packet) \
     do { \
-        (packet).box_x = (box)->pose.x; \
-        (packet).box_y = (box)->pose.y; \
-        (packet).box_theta = (box)->pose.theta; \
-        (packet).box_vx = (box)->velocity.x; \
-        (packet).box_vy = (box)->velocity.y; \
-        (packet).box_omega = (box)->velocity.theta; \
+        (target).box_x = (packet).motion[MOTION_BOX].position.x; \
+        (target).box_y = (packet).motion[MOTION_BOX].position.y; \
+        (target).box_theta = (packet).motion[MOTION_BOX_ANGLE].position.x; \
+        (target).box_vx = (packet).motion[MOTION_BOX].velocity.x; \
+        (target).box_vy = (packet).motion[MOTION_BOX].velocity.y; \
+        (target).box_omega = (packet).motion[MOTION_BOX_ANGLE].velocity.x; \
     } while (0)
 
 #define WRITE_PEER_CONTACTS(target, forces, p) \

@@ -6,11 +6,13 @@
 
 #include "device_parameters.h"
 #include "finger.h"
+#include "packet.h"
 
 enum { FINGERS = 2 };
 
 typedef struct {
     Finger finger[FINGERS];
+    Deadband deadband;
     double period;
 } Station;
 
@@ -26,7 +28,19 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
     if (v->velocity_window < 1 || v->velocity_window > LONGEST_WINDOW - 1)
         return "velocity_window must be between 1 and 31 samples.";
     if (v->fingers < 1 || v->fingers > FINGERS) return "fingers must be 1 or 2.";
+    if (v->network_ticks < 1) return "network_ticks must be at least 1.";
     station->period = v->sample_period;
+    station->deadband = (Deadband){
+        .fraction = v->deadband,
+        .position = v->deadband_position,
+        .angle = v->deadband_angle,
+        .velocity = v->deadband_velocity,
+        .rate = v->deadband_rate,
+        .force = v->deadband_force,
+        .samples = v->network_ticks,
+        .longest = v->deadband_longest,
+        .period = v->sample_period,
+    };
     state->tick = (int64_t)round(report_start_time(r) / v->sample_period);
     for (int f = 0; f < FINGERS; f++) {
         DeviceGeometry geometry;
@@ -118,12 +132,33 @@ static int64_t station_age(const Variables *v)
     return v->fingers > 1 && second > first ? second : first;
 }
 
-/* The head of a packet. */
-#define WRITE_SOURCE(packet, v, measured, tick, contact) \
+/* The fingers' part of a packet. */
+static inline void pack_fingers(const FingerMeasurement measured[FINGERS], Packet *packet)
+{
+    for (int f = 0; f < FINGERS; f++)
+        packet->motion[MOTION_FINGER_1 + f] = (Motion){measured[f].position, measured[f].velocity};
+}
+
+/* The head of a packet; what is repeated by the deadband is older than the device's own data. */
+#define WRITE_SOURCE(target, v, measured, now, packet_sent, contact) \
     do { \
-        (packet).source_tick = (tick); \
-        (packet).source_age = station_age(v); \
-        (packet).status = station_status(v, measured) | (contact); \
+        (target).source_tick = (now); \
+        (target).source_age = station_age(v) + ((now) - (packet_sent)->tick); \
+        (target).status = station_status(v, measured) | (contact); \
+    } while (0)
+
+#define WRITE_VECTOR(target, vector) \
+    do { \
+        (target)[0] = (vector).x; \
+        (target)[1] = (vector).y; \
+    } while (0)
+
+#define WRITE_FINGERS(target, packet) \
+    do { \
+        WRITE_VECTOR((target).finger_1_position, (packet).motion[MOTION_FINGER_1].position); \
+        WRITE_VECTOR((target).finger_1_velocity, (packet).motion[MOTION_FINGER_1].velocity); \
+        WRITE_VECTOR((target).finger_2_position, (packet).motion[MOTION_FINGER_2].position); \
+        WRITE_VECTOR((target).finger_2_velocity, (packet).motion[MOTION_FINGER_2].velocity); \
     } while (0)
 
 #endif

@@ -56,6 +56,8 @@ PASSIVITY = Enumeration(
 FINGER_INPUTS = ("{group}.joint_angle", "{group}.status", "{group}.sample_age")
 """What everything of a finger depends on directly."""
 
+ALL_FINGER_INPUTS = tuple(path.replace("{group}", "finger_*") for path in FINGER_INPUTS)
+
 
 def real(
     name: str,
@@ -180,6 +182,7 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
             minimum=1,
             maximum=31,
         ),
+        *deadband_parameters(),
         choice("passivity", "Passivity layer on the rendered force of every own finger", PASSIVITY),
         real(
             "passivity_damping_limit",
@@ -195,6 +198,53 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
             "J",
             0.0,
             minimum=0.0,
+        ),
+    )
+
+
+def deadband_parameters() -> tuple[Variable, ...]:
+    """What a packet need not tell because nobody would feel it."""
+    return (
+        integer(
+            "network_ticks",
+            "Control periods in a network period, for the deadband and the packet counters",
+            8,
+            minimum=1,
+            maximum=1_000_000,
+        ),
+        real(
+            "deadband",
+            "Weber fraction by which velocities and forces may change before a packet's content is "
+            "renewed (0.1 is usual; Hinterseer et al. 2008); 0: every packet has new content",
+            "1",
+            0.0,
+            minimum=0.0,
+        ),
+        real("deadband_position", "Error of a position that is not felt (chosen)", "m", 2e-4),
+        real("deadband_angle", "Error of the box's angle that is not felt (chosen)", "rad", 4e-3),
+        real("deadband_velocity", "Change of speed that is never felt (chosen)", "m/s", 5e-3),
+        real("deadband_rate", "Change of the box's turning never felt (chosen)", "rad/s", 0.1),
+        real("deadband_force", "Change of force that is never felt (chosen)", "N", 0.02),
+        integer(
+            "deadband_longest",
+            "Network periods after which content is renewed even if nothing changed; a link that "
+            "waits for fresh data must be given it in time",
+            4,
+            minimum=1,
+            maximum=1_000_000,
+        ),
+    )
+
+
+def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+    """How much the deadband saves: 1 - sent / due; ``depends_on`` adds to the fingers' inputs."""
+    return (
+        output("packets_due", "Packets so far, one each network period", None),
+        output(
+            "packets_sent",
+            "Packets so far with new content",
+            None,
+            (*ALL_FINGER_INPUTS, *depends_on),
         ),
     )
 
@@ -313,35 +363,34 @@ def packet_outputs(
 ) -> tuple[Variable, ...]:
     """The members of a packet that a workstation sends.
 
-    ``motion``, ``box`` and ``force`` choose what it carries; ``force`` names what each finger's
-    force depends on.
+    ``motion``, ``box`` and ``force`` choose what it carries; ``force`` names what the forces depend
+    on. Every member depends on all that is compared, because the deadband renews all at once.
     """
+    content = ALL_FINGER_INPUTS if force is None else force
     members: list[Variable] = []
     for number in range(1, FINGERS + 1):
-        own = tuple(i.replace("{group}", f"finger_{number}") for i in FINGER_INPUTS)
         if motion:
             members += [
                 output(
-                    f"finger_{number}_position", f"Position of finger {number}", "m", own, size=2
-                ),
-                output(
-                    f"finger_{number}_velocity", f"Velocity of finger {number}", "m/s", own, size=2
-                ),
+                    f"finger_{number}_{quantity}",
+                    f"{quantity.capitalize()} of finger {number}",
+                    unit,
+                    content,
+                    size=2,
+                )
+                for quantity, unit in (("position", "m"), ("velocity", "m/s"))
             ]
         if force is not None:
             members.append(
-                output(f"finger_{number}_force", f"Force on finger {number}", "N", force, size=2)
+                output(f"finger_{number}_force", f"Force on finger {number}", "N", content, size=2)
             )
     if box:
-        members += [output(*entry) for entry in _BOX]
+        members += [output(*entry, content) for entry in _BOX]
+    ages = tuple(dict.fromkeys((*content, "finger_*.sample_age")))
     members += [
         output("source_tick", "Tick of the sender", None),
-        output(
-            "source_age", "Age of the sender's device data in ticks", None, ("finger_*.sample_age",)
-        ),
-        output(
-            "status", _STATUS, None, tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
-        ),
+        output("source_age", "Age of the content in ticks", None, ages),
+        output("status", _STATUS, None, ALL_FINGER_INPUTS),
     ]
     return tuple(members)
 
@@ -368,7 +417,7 @@ def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ..
             None,
             start=-1,
         ),
-        signal("source_age", "Age of the sender's device data in ticks", None),
+        signal("source_age", "Age of the content in ticks when it was sent", None),
         signal("status", _STATUS, None),
     ]
     return tuple(members)
