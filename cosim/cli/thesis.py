@@ -1,0 +1,55 @@
+"""``cohaptic thesis``: rerun the thesis's experiments and hold its statements against them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+
+@click.command("thesis")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for the page and the runs; new or empty. [default: runs/thesis-<n>]",
+)
+@click.option("--workers", type=click.IntRange(1), help="Runs at a time. [default: processors]")
+@click.option("--json", "as_json", is_flag=True, help="Print the verdicts as one JSON object.")
+def command(out: Path | None, workers: int | None, *, as_json: bool) -> None:
+    """Rerun the experiments of chapters 7 and 8 and write one page of statements and figures.
+
+    Exit status: 0 where every statement was decided, 1 where a run failed or one could not be.
+    """
+    from cosim.record.folder import new_folder
+    from cosim.thesis.experiments import Ran, run_all
+    from cosim.thesis.figures import draw_figures
+    from cosim.thesis.page import write_page
+    from cosim.thesis.statements import EXPERIMENTS, decide
+
+    folder = new_folder("thesis", out)
+
+    def told(ran: Ran) -> None:
+        click.echo(f"  {ran.name}{': ' + ran.failure if ran.failure else ''}", err=True)
+
+    runs = run_all(
+        {name: (f"thesis/{name}", ()) for name in EXPERIMENTS}, folder, workers=workers, told=told
+    )
+    decided = decide(
+        {name: ran.summary for name, ran in runs.items()},
+        {name: ran.failure for name, ran in runs.items() if ran.failure},
+    )
+    figures = {name: folder / file for name, file in draw_figures(runs, folder).items()}
+    page = folder / "thesis.html"
+    write_page(page, decided, runs, figures)
+    if as_json:
+        import json
+
+        verdicts = {item.statement.name: item.verdict for item in decided}
+        click.echo(json.dumps({"page": str(page), "verdicts": verdicts}))
+    else:
+        for item in decided:
+            click.echo(f"{item.verdict:18}{item.statement.section:10}{item.statement.claim}")
+        click.echo(f"\n{page}")
+    undecided = any(item.verdict == "cannot be decided" for item in decided)
+    sys.exit(1 if undecided else 0)

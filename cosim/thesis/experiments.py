@@ -1,0 +1,78 @@
+"""Runs many scenarios at once, each in a process of its own."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cosim.errors import CohapticError
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """One scenario's run: its folder and summary, or the sentence that says why there is none."""
+
+    name: str
+    folder: Path
+    summary: Mapping[str, Any]
+    failure: str = ""
+
+
+def run_all(
+    scenarios: Mapping[str, tuple[str, Sequence[str]]],
+    out: Path,
+    *,
+    workers: int | None = None,
+    told: Callable[[Ran], None] | None = None,
+) -> dict[str, Ran]:
+    """Run scenarios (name -> file and ``--set`` overrides) into ``out/<name>``.
+
+    Args:
+        scenarios: what to run, by the name that its folder gets.
+        out: parent of the run folders.
+        workers: processes at a time; as many as there are processors by default.
+        told: called with each run as it ends, in the order in which they end.
+
+    Returns:
+        The runs by name, in the order of ``scenarios``.
+    """
+    context = multiprocessing.get_context("spawn")
+    count = min(workers or _processors(), max(len(scenarios), 1))
+    found: dict[str, Ran] = {}
+    with ProcessPoolExecutor(count, mp_context=context) as pool:
+        waiting: list[Future[Ran]] = [
+            pool.submit(run_one, name, file, tuple(sets), out / name)
+            for name, (file, sets) in scenarios.items()
+        ]
+        for future in as_completed(waiting):
+            ran = future.result()
+            found[ran.name] = ran
+            if told is not None:
+                told(ran)
+    return {name: found[name] for name in scenarios}
+
+
+def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
+    """Run one scenario into a folder; a failure is told, not raised."""
+    from cosim.analysis import load_tuned
+    from cosim.session import run_scenario
+
+    try:
+        finished = run_scenario(load_tuned(file, (), sets), folder, figure=False)
+    except CohapticError as error:
+        return Ran(name, folder, {}, str(error))
+    failure = str(finished.error) if finished.error is not None else ""
+    return Ran(name, folder, finished.summary.content, failure)
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # Windows and macOS
+        return os.cpu_count() or 1

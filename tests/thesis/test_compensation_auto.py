@@ -1,0 +1,55 @@
+"""``compensation: auto`` puts the null at the scenario's own delay where numbers belong."""
+
+from __future__ import annotations
+
+import pytest
+
+from cosim.analysis import load_tuned
+from cosim.errors import InputError
+
+FREE_MOTION = "thesis/free_motion"
+
+
+def compensation(choice, *sets):
+    scenario = load_tuned(
+        FREE_MOTION, (), [f"components.vr_a.parameters.compensation={choice}", *sets]
+    )
+    parameters = scenario.components["vr_a"].parameters
+    assert "compensation" not in parameters
+    return tuple(parameters[f"compensation.{axis}"] for axis in ("x", "y", "theta"))
+
+
+@pytest.mark.parametrize(("round_trip", "null"), [(0, -0.877), (1, -1.844), (2, -2.811)])
+def test_auto_is_the_null_of_the_full_model_at_the_scenarios_delay(round_trip, null):
+    x, y, theta = compensation("auto", f"channels.lan.round_trip_delay={round_trip}")
+    assert x == y == pytest.approx(null, abs=5e-4)
+    assert theta < 0.0
+
+
+def test_cautious_compensates_less_on_each_axis_and_the_same_in_rotation():
+    auto, cautious = compensation("auto"), compensation("cautious")
+    assert auto[0] < cautious[0] < 0.0
+    assert auto[2] == cautious[2]
+
+
+def test_a_delay_between_two_samples_is_rounded_down():
+    later = compensation("auto", "channels.lan.round_trip_delay=17 ms")
+    assert later == compensation("auto", "channels.lan.round_trip_delay=2")
+
+
+def test_the_resolved_scenario_shows_the_numbers():
+    resolved = load_tuned(
+        FREE_MOTION, (), ["components.vr_a.parameters.compensation=auto"]
+    ).resolved()
+    assert "auto" not in resolved
+    assert "compensation.x: -1.84" in resolved
+
+
+def test_another_word_is_refused_with_the_place():
+    with pytest.raises(InputError, match=r"compensation=automatic: .*auto or cautious"):
+        load_tuned(FREE_MOTION, (), ["components.vr_a.parameters.compensation=automatic"])
+
+
+def test_a_single_user_has_no_network_to_compensate():
+    with pytest.raises(InputError, match="1 distributed workstation"):
+        load_tuned("thesis/rigid_contact", (), ["components.vr_a.parameters.compensation=auto"])
