@@ -8,6 +8,7 @@ from pathlib import Path
 import fmpy
 import fmu_support as support
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -19,7 +20,11 @@ SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons
 
 @pytest.mark.parametrize(("name", "flavour"), support.EVERY)
 def test_fmpy_finds_no_problem(name: str, flavour: str) -> None:
-    assert validate_fmu(str(support.path_of(name, flavour))) == []
+    path = str(support.path_of(name, flavour))
+    if flavour == "fmi3":
+        assert validate_fmu(path) == []
+    else:  # all but the grammar of names, which is slow: they are those of the archive above
+        read_model_description(path, validate=True, validate_model_structure=True)
 
 
 @pytest.mark.parametrize("name", support.MODELS)

@@ -28,6 +28,7 @@ def test_every_function_gives_the_recorded_bits() -> None:
     assert dict(zip(names, hashes, strict=True)) == dict(zip(names, GOLDEN, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("qemu-aarch64") is None, reason="needs qemu-user")
 def test_arm64_gives_the_same_bits(tmp_path: Path) -> None:
     program = tmp_path / "probe"

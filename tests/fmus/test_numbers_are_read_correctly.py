@@ -22,7 +22,7 @@ def value_of(text: str) -> float:
     return value.value
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(st.floats(allow_nan=False, allow_infinity=False))
 @example(5e-324)
 @example(2.2250738585072011e-308)
@@ -32,7 +32,7 @@ def test_the_shortest_text_gives_the_number_back(number: float) -> None:
     assert np.float64(value_of(repr(number))).tobytes() == np.float64(number).tobytes()
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(st.from_regex(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?([eE][-+]?[0-9]{1,3})?", fullmatch=True))
 @example("9007199254740993")  # halfway between two doubles: to even
 @example("9007199254740993.00000000000000000001")  # just above halfway

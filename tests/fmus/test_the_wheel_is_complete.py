@@ -1,4 +1,4 @@
-"""The wheel runs on any platform, brings the FMUs and the kernel, and works outside the checkout."""
+"""The wheel is for any platform, brings FMUs and kernel, and works outside the checkout."""
 
 from __future__ import annotations
 
