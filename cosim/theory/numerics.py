@@ -30,6 +30,11 @@ def solve(matrix: Real, right: Real) -> Real:
     return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
 
 
+def solve_complex(matrix: Complex, right: Real | Complex) -> Complex:
+    """The solution of a complex square system, shapes (n, n) and (n,)."""
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.complex128)
+
+
 def spectral_radius(matrix: Real) -> float:
     """The largest eigenvalue magnitude of a square matrix; 0 for an empty one."""
     if matrix.shape[0] == 0:
@@ -54,17 +59,27 @@ def minimise_bounded(
     return float(result.x), float(result.fun)
 
 
-def largest_eigenvalue_of_map(apply: Callable[[Real], Real], size: int) -> float:
+def largest_eigenvalue_of_map(apply: Callable[[Real], Real], start: Real) -> float:
     """The largest eigenvalue magnitude of a linear map given as a function (Arnoldi).
 
     Args:
         apply: the map, from a vector of shape (size,) to a vector of shape (size,).
-        size: the length of the vectors; at least 3.
+        start: where to start, shape (size,), with a part in the wanted direction.
     """
     linalg: Any = import_module("scipy.sparse.linalg")
-    operator = linalg.LinearOperator((size, size), matvec=apply, dtype=np.float64)
-    start = np.ones(size)
-    values: Any = linalg.eigs(
-        operator, k=1, which="LM", v0=start, return_eigenvectors=False, maxiter=5000, tol=1e-12
-    )
+    operator = linalg.LinearOperator((start.size, start.size), matvec=apply, dtype=np.float64)
+    try:
+        values: Any = linalg.eigs(
+            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=1e-10
+        )
+    except linalg.ArpackNoConvergence:
+        # Crowded spectra: fall back on the whole matrix.
+        return spectral_radius(np.array([apply(column) for column in np.eye(start.size)]).T)
     return float(np.max(np.abs(cast("Complex", values))))
+
+
+def gamma_distribution(value: float, *, mean: float, deviation: float) -> float:
+    """The probability that a gamma-distributed quantity is at most ``value``."""
+    special: Any = import_module("scipy.special")
+    shape = (mean / deviation) ** 2
+    return float(special.gammainc(shape, max(0.0, value) * shape / mean))

@@ -115,10 +115,15 @@ class Parameters:
 
     def __getitem__(self, leaf: str) -> float:
         """The value of a most specific name."""
+        name = self.source(leaf)
+        return self.given[name] if name in self.given else self.defaults[name]
+
+    def source(self, leaf: str) -> str:
+        """The name whose value holds for a most specific name."""
         for source in (self.given, self.defaults):
             for name in self.leaves[leaf]:
                 if name in source:
-                    return source[name]
+                    return name
         raise KeyError(leaf)
 
     def resolved(self) -> dict[str, float]:

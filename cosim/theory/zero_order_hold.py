@@ -43,6 +43,13 @@ def mass_under_held_force(
     mass_array, damping_array = np.broadcast_arrays(
         np.asarray(mass, dtype=np.float64), np.asarray(damping, dtype=np.float64)
     )
+    A = np.zeros((*mass_array.shape, 2, 2))
+    B = np.zeros((*mass_array.shape, 2))
+    A[..., 0, 0] = 1.0
+    if not np.any(damping_array):
+        A[..., 0, 1], A[..., 1, 1] = period, 1.0
+        B[..., 0], B[..., 1] = period * period / mass_array / 2.0, period / mass_array
+        return A, B
     rate = damping_array * (period / mass_array)
     damped = rate != 0.0
     safe = np.where(damped, rate, 1.0)
@@ -50,9 +57,6 @@ def mass_under_held_force(
     first = np.where(damped, -np.expm1(-safe) / safe, 1.0)
     series = 0.5 - rate / 6.0 + rate**2 / 24.0 - rate**3 / 120.0
     second = np.where(np.abs(rate) < 1e-3, series, (1.0 - first) / safe)
-    A = np.zeros((*mass_array.shape, 2, 2))
-    B = np.zeros((*mass_array.shape, 2))
-    A[..., 0, 0] = 1.0
     A[..., 0, 1] = period * first
     A[..., 1, 1] = np.exp(-rate)
     B[..., 0] = period * period / mass_array * second

@@ -8,10 +8,18 @@ from typing import Any
 import click
 
 SUBCOMMANDS = {
+    "admittance": "What a user feels over frequency, by both definitions.",
     "boundary": "All stable intervals along one parameter.",
     "damping": "DC damping that a user feels, and the compensation that nulls it.",
+    "design": "Gains that follow from a measured network, as a scenario overlay.",
+    "figure": "Draw figure 5.1 to 5.4, 6.2, 6.4 or 6.5.",
+    "loss": "Critical packet loss, and mean-square stability at a given one.",
+    "map": "Stability over a plane of two parameters.",
+    "margins": "Distance to instability in gain, delay and loss.",
+    "passivity": "Passivity and Z-width on a device with physical damping.",
     "radius": "Spectral radius of a loop: stable below 1.",
     "stiffness": "Stiffness that a user feels in rigid contact.",
+    "table": "Print table 6.1 or 6.2, the thesis's numbers beside ours.",
 }
 
 

@@ -55,17 +55,29 @@ class Loop:
         return self.parameters.model(tuple(m == user for m in range(users)))
 
 
-def loop_options(chapter: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def loop_options(
+    chapter: int, implied: Callable[[Mapping[str, Any]], Architecture | None] | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Add the shared options to a command, which then takes ``loop`` and ``as_json``.
 
     Args:
         chapter: whose constants are the defaults, 5 or 6.
+        implied: the architecture that the command's own options imply, which may then be left
+            unsaid, but not contradicted.
     """
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(function)
         def wrapper(**values: Any) -> None:
             shared = {name: values.pop(name) for name in _SHARED}
+            meant = implied(values) if implied is not None else None
+            if meant is not None:
+                if shared["architecture"] not in {None, meant}:
+                    raise InputError(
+                        f"--architecture {shared['architecture']} has no such user: it belongs to "
+                        f"--architecture {meant}."
+                    )
+                shared["architecture"] = meant
             function(loop=_loop(chapter, **shared), **values)
 
         decorated: Callable[..., None] = wrapper

@@ -1,0 +1,90 @@
+"""``cohaptic theory design``: gains that follow from a measured network."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from cosim.cli.theory.options import Loop, describe, emit, loop_options
+from cosim.errors import InputError
+from cosim.theory.design import design, overlay
+from cosim.theory.network import Network
+
+
+@click.command()
+@click.option("--delay", type=float, metavar="S", help="Mean one-way delay, instead of samples.")
+@click.option("--jitter", type=float, default=0.0, metavar="S", help="RMS jitter, one way.")
+@click.option("--loss", type=float, default=0.0, metavar="P", help="Probability of loss, one way.")
+@click.option(
+    "--margin",
+    type=float,
+    default=0.25,
+    show_default=True,
+    help="Stable with stiffness and damping larger by this fraction.",
+)
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write the overlay here."
+)
+@loop_options(chapter=5)
+def command(
+    *,
+    loop: Loop,
+    as_json: bool,
+    delay: float | None,
+    jitter: float,
+    loss: float,
+    margin: float,
+    out: Path | None,
+) -> None:
+    """The stiffest couplers, their damping and the compensation, mean-square stable with a margin.
+
+    A gain given with --set is kept. The result is an overlay for the single-axis scenarios:
+    cohaptic run scenarios/single_axis_distributed.yaml --with FILE.
+    """
+    if loop.architecture == "single":
+        raise InputError(
+            "A single user has no network to design for: use --architecture centralized or "
+            "distributed, or theory boundary for the single loop's own limit."
+        )
+    timing = loop.timing
+    samples = max(timing.delay.forward, timing.delay.backward)
+    network = Network(
+        period=timing.network_period,
+        delay=samples * float(timing.network_period) if delay is None else delay,
+        jitter=jitter,
+        loss=loss,
+    )
+    found = design(loop.parameters, network, timing.control_period, margin)
+    written = overlay(loop.parameters, found)
+    if out is not None:
+        out.write_text(written, encoding="utf-8")
+    result = {
+        "gains": found.gains,
+        "compensation": found.compensation,
+        "mean_square_radius": found.mean_square_radius,
+        "limited_by": found.limited_by,
+        "limits": found.limits,
+        "margin": margin,
+        "delay_samples": found.timing.delay.forward,
+        "overlay": written,
+        "architecture": loop.architecture,
+    }
+    reasons = [
+        f"{name} is limited by: {cause}"
+        + ("" if cause == "itself" else f" (without it {found.limits[name][cause]:.2g} times)")
+        for name, cause in found.limited_by.items()
+    ]
+    where = f"written to {out}" if out is not None else written
+    text = "\n".join(
+        [
+            describe(Loop(loop.parameters, found.timing)),
+            (
+                f"mean-square radius {found.mean_square_radius:.6g} with compensation "
+                f"{found.compensation:.4g} N·s/m"
+            ),
+            *reasons,
+            where,
+        ]
+    )
+    emit(result, text, as_json=as_json, notes=loop.notes)

@@ -1,0 +1,80 @@
+"""``cohaptic theory loss``: how much packet loss a loop survives in mean square."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import get_args
+
+import click
+
+from cosim.cli.theory.options import Loop, describe, emit, loop_options
+from cosim.errors import InputError
+from cosim.theory.mean_square import critical_loss, mean_square_radius
+from cosim.theory.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
+
+
+@click.command()
+@click.option(
+    "--losses",
+    type=click.Choice(get_args(Losses)),
+    default="independent",
+    show_default=True,
+    help="Whether the directions lose packets independently or together.",
+)
+@click.option("--loss", type=float, metavar="P", help="Also the mean-square radius at this loss.")
+@click.option(
+    "--burst",
+    type=float,
+    metavar="PACKETS",
+    help="Mean burst length at that loss (Gilbert–Elliott).",
+)
+@loop_options(chapter=5)
+def command(
+    loop: Loop, as_json: bool, losses: Losses, loss: float | None, burst: float | None
+) -> None:
+    """Critical loss probability: the smallest at which the loop is not mean-square stable.
+
+    null (JSON) or "none" (text) where no loss below 0.999 destabilises the loop. A lost packet
+    leaves the value held before.
+    """
+    critical = critical_loss(loop.model, loop.timing, losses)
+    result: dict[str, object] = {
+        "critical_loss": critical,
+        "losses": losses,
+        "architecture": loop.architecture,
+        "parameters": loop.parameters.resolved(),
+    }
+    lines = [describe(loop), _sentence(critical, losses)]
+    if loss is not None:
+        radius = mean_square_radius(loop.model, loop.timing, _process(loss, burst), losses)
+        result |= {"mean_square_radius": radius, "mean_square_stable": radius < 1.0}
+        verdict = "stable" if radius < 1.0 else "unstable"
+        lines.append(f"at loss {loss:g}: mean-square radius {radius:.6g}, {verdict}")
+    elif burst is not None:
+        raise InputError("--burst needs the loss probability too: add --loss, such as 0.02.")
+    emit(result, "\n".join(lines), as_json=as_json, notes=loop.notes)
+
+
+def _process(loss: float, burst: float | None) -> Callable[[int], LinkProcess]:
+    """From a link's delay to its losses."""
+    if burst is None:
+        return partial(bernoulli, loss)
+    if burst < 1 or not 0 < loss < 1:
+        raise InputError("A burst is at least 1 packet long, at a loss between 0 and 1.")
+    recovery = 1.0 / burst
+    onset = recovery * loss / (1.0 - loss)
+    if onset > 1:
+        raise InputError(
+            f"A loss of {loss:g} cannot come in bursts of only {burst:g} packets: the mean burst "
+            f"is then at least {loss / (1 - loss):.3g}."
+        )
+    return partial(gilbert_elliott, onset, recovery)
+
+
+def _sentence(critical: float | None, losses: Losses) -> str:
+    if critical is None:
+        return f"critical loss: none below 0.999 ({losses} losses)"
+    if critical == 0.0:
+        return "critical loss 0: the loop is unstable without any loss"
+    return f"critical loss {critical:.6g} ({losses} losses)"
