@@ -37,7 +37,7 @@ def test_monte_carlo_second_moment_matches(loss: float) -> None:
     """Simulated with losses drawn frame by frame, E[x xᵀ] follows the theory within 1 %."""
     found = system(loss)
     rng = np.random.default_rng(5)
-    n, runs, frames = found.maps.shape[1], 400_000, 8
+    n, runs, frames = found.maps.shape[1], 200_000, 8
     start = rng.normal(size=n)
     states = np.tile(start, (runs, 1))
     outcomes = found.pattern.outcomes

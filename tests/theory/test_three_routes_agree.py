@@ -50,7 +50,7 @@ def quotients(model: Model, timing: Timing) -> list[np.ndarray]:
     return found
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=40)
 @given(models(), timings(WHOLE_RATIOS))
 def test_the_three_routes_agree_at_whole_ratios(model: Model, timing: Timing) -> None:
     simulated, lifted, resampled = quotients(model, timing)
@@ -58,7 +58,7 @@ def test_the_three_routes_agree_at_whole_ratios(model: Model, timing: Timing) ->
     assert disagreement(resampled, lifted) < 1
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=40)
 @given(models(), timings(RATIONAL_RATIOS))
 def test_lifting_and_simulation_agree_at_any_rational_ratio(model: Model, timing: Timing) -> None:
     simulated, lifted = quotients(model, timing)[:2]
