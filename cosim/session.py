@@ -17,7 +17,7 @@ from cosim.master.pacing import Pacer
 from cosim.master.recording import RecordGroup
 from cosim.master.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
-from cosim.record.manifest import conclude, describe, write_json, write_manifest
+from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
 from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
@@ -50,8 +50,12 @@ class _FolderRecorder(Recorder):
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         self.folder = new_folder(self._scenario.name, self._out)
         self.path = self.folder / RUN_FILE
-        (self.folder / SCENARIO_FILE).write_text(self._scenario.resolved(), encoding="utf-8")
-        write_manifest(self.folder, self._manifest)
+        resolved = self._scenario.resolved()
+        try:
+            (self.folder / SCENARIO_FILE).write_text(resolved, encoding="utf-8")
+            write_manifest(self.folder, self._manifest)
+        except OSError as error:
+            raise self.refusal(error) from error
         super().begin(groups, base_rate)
         self.start_up_time = time.perf_counter() - self._began
 
@@ -101,8 +105,15 @@ def run_scenario(
         message=_message(outcome, error, scenario),
         ticks=outcome.ticks,
     )
-    write_manifest(folder, manifest)
-    return Finished(folder, _report(folder, recorder, expectations, figure=figure), error)
+    leave = _Leaver()
+    leave(lambda: write_manifest(folder, manifest))
+    content = _report(folder, manifest, recorder, expectations, leave if figure else None)
+    # Last, so that it is the peak of everything, the figure included.
+    content["peak_memory"] = peak_memory()
+    leave(lambda: write_json(folder / SUMMARY_FILE, content))
+    if leave.error is not None and not content["message"]:
+        content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
+    return Finished(folder, Summary(content), error)
 
 
 def _run(
@@ -117,20 +128,41 @@ def _run(
     return None
 
 
+class _Leaver:
+    """Leaves files behind, and keeps the first refusal: the record matters more than they do."""
+
+    def __init__(self) -> None:
+        self.error: OSError | None = None
+
+    def __call__(self, write: Callable[[], None]) -> None:
+        try:
+            write()
+        except OSError as error:
+            self.error = self.error or error
+
+
 def _report(
-    folder: Path, recorder: Recorder, expectations: Sequence[Expectation], *, figure: bool
-) -> Summary:
+    folder: Path,
+    manifest: Mapping[str, Any],
+    recorder: Recorder,
+    expectations: Sequence[Expectation],
+    leave: _Leaver | None,
+) -> dict[str, Any]:
+    """The summary's content; the overview is drawn through ``leave``."""
     summaries = recorder.summaries()
     with open_run(folder) as run:
-        content = summarise(run, expectations, summaries).content
-        if figure:
+        run.manifest = manifest
+        content = dict(summarise(run, expectations, summaries).content)
+        if leave is not None:
             from cosim.report.overview import draw_overview
 
-            draw_overview(run, folder / FIGURE_FILE, summaries, facts(content))
-    # Last, so that it is the peak of everything, the figure included.
-    summary = Summary({**content, "peak_memory": peak_memory()})
-    write_json(folder / SUMMARY_FILE, summary.content)
-    return summary
+            line = facts(content)
+            leave(
+                lambda: replace_file(
+                    folder / FIGURE_FILE, lambda path: draw_overview(run, path, summaries, line)
+                )
+            )
+    return content
 
 
 def _components(simulation: Simulation) -> dict[str, dict[str, Any]]:

@@ -47,6 +47,8 @@ def summary_command(run: Path, *, as_json: bool) -> None:
         with open_run(run) as opened:
             summary = summarise(opened)
     click.echo(json.dumps(summary.content) if as_json else summary.text())
+    if summary.content["message"]:
+        click.echo(summary.content["message"], err=True)
 
 
 @command.command("list")

@@ -66,9 +66,10 @@ def command(
         import json
 
         click.echo(json.dumps(finished.summary.content))
-        click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
     else:
         click.echo(finished.summary.text())
+    if finished.summary.content["message"]:
+        click.echo(finished.summary.content["message"], err=True)
     sys.exit(finished.summary.status)
 
 

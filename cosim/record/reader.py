@@ -158,7 +158,7 @@ class Run:
 
     def __init__(self, folder: Path, file: Any, manifest: Mapping[str, Any]) -> None:
         self.folder = folder
-        self.manifest = manifest
+        self.manifest: Mapping[str, Any] = manifest
         """What ran, where, and how it ended; see docs/record.md. Empty where there is none."""
         self._file = file
         numerator, denominator = (int(part) for part in file.attrs["base_rate"])

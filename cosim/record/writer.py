@@ -65,7 +65,7 @@ class Recorder:
             with suppress(OSError):
                 self.path.unlink(missing_ok=True)
             if isinstance(error, OSError):
-                raise self._refusal(error) from error
+                raise self.refusal(error) from error
             raise
         self.groups, self.base_rate = tuple(groups), base_rate
         self._streams = [
@@ -149,7 +149,7 @@ class Recorder:
         try:
             compact(self.path)
         except OSError as error:
-            raise self._refusal(error) from error
+            raise self.refusal(error) from error
 
     def __enter__(self) -> Recorder:
         return self
@@ -186,13 +186,14 @@ class Recorder:
                     try:
                         block.stream.write(file, block)
                     except OSError as error:
-                        self._error = self._refusal(error)
+                        self._error = self.refusal(error)
                     except Exception as error:  # a slip of ours: end the run, do not hang it
                         self._error = RunError(f"{self.path}: the recorder failed: {error!r}")
                         self._error.__cause__ = error
                 block.stream.free.put(block)
 
-    def _refusal(self, error: OSError) -> RunError:
+    def refusal(self, error: OSError) -> RunError:
+        """What the system would not write, as a sentence."""
         place = self.path
         if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}:
             return RunError(

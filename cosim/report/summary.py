@@ -217,5 +217,5 @@ def _verdicts(content: Mapping[str, Any]) -> str:
 
 
 def _end(content: Mapping[str, Any]) -> str:
-    message = f"{content['message']}\n" if content["message"] else ""
-    return f"{message}{content['run']}"
+    state = {True: "recorded in", False: "what was reached is in"}[not content["message"]]
+    return f"  {state} {content['run']}"

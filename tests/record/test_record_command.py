@@ -15,7 +15,7 @@ from cosim.errors import InputError
 def invoke(*arguments: object) -> str:
     result = CliRunner().invoke(command, [str(a) for a in arguments], catch_exceptions=False)
     assert result.exit_code == 0
-    return result.output
+    return result.stdout
 
 
 def test_equal_runs_have_equal_digests(small_run: Path) -> None:

@@ -58,7 +58,7 @@ PLAIN = {
 }
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(st.data())
 def test_every_measure_and_comparison_is_numpys(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(PLAIN)))

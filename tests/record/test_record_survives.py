@@ -6,14 +6,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from synthetic_run import small_disk
 
 from cosim.errors import RunError
 from cosim.master.recording import Column, RecordGroup
@@ -177,17 +176,6 @@ def fill(path: Path, how: str) -> str:
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     return done.stderr
-
-
-@contextmanager
-def small_disk(folder: Path, size: str) -> Iterator[None]:
-    mount = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
-    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
-        pytest.skip("mounting a small file system needs root")
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", str(folder)], check=True)
 
 
 def test_a_write_that_the_system_refuses_ends_the_run_with_a_sentence(tmp_path: Path) -> None:
