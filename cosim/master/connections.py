@@ -12,7 +12,7 @@ from cosim.master.interface import Element, Interface, Selection
 from cosim.master.problems import Problems
 from cosim.master.units import Unit, conversion
 from cosim.master.wiring import Bundle, Entry, Held, PacketFact, Signal, Source, Wire, Wiring
-from cosim.scenario import Connection, Direction, Scenario
+from cosim.scenario import Connection, Direction, Kind, Scenario
 from cosim.suggest import did_you_mean
 
 _AGE = {"age": "ticks since the held packet was sampled", "sequence": "number of the held packet"}
@@ -187,6 +187,11 @@ class _Wirer:
             )
         self.wiring.connection_of[pair.target] = str(connection)
 
+    def _is_playback(self, connection: Connection) -> bool:
+        """A record keeps booleans as whole numbers; the kernel sees to it that they are 0 or 1."""
+        source = self.scenario.components.get(connection.source.component)
+        return source is not None and source.kind is Kind.PLAYBACK
+
     def _conversion(self, connection: Connection, pair: _Pair) -> tuple[float, float, bool]:
         there, here = pair.source_variable, pair.target_variable
         names = f"{_source_name(self.interfaces, connection, pair)} ({there.type})"
@@ -197,7 +202,12 @@ class _Wirer:
         if there.type.is_float and not here.type.is_float:
             raise InputError(f"{names} cannot drive {into}: a real value does not fit an integer")
         integer = not there.type.is_float and not here.type.is_float
-        if integer and (here.type is VariableType.BOOLEAN) and there.type is not here.type:
+        if (
+            integer
+            and here.type is VariableType.BOOLEAN
+            and there.type is not here.type
+            and (not self._is_playback(connection))
+        ):
             raise InputError(f"{names} cannot drive {into}: only a boolean can")
         factor = conversion(pair.source_unit, pair.target_unit)
         if factor is None:

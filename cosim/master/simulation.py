@@ -14,6 +14,7 @@ from cosim.master.assemble import Assembly, put_together
 from cosim.master.diagnosis import explain, moment
 from cosim.master.fmu import Fmu
 from cosim.master.interface import has_cells
+from cosim.master.interrupt import Wish, wish_to_stop
 from cosim.master.native import Outcome as Stop
 from cosim.master.native import library
 from cosim.master.pacing import Pacer
@@ -25,7 +26,7 @@ from cosim.master.python import sentences
 from cosim.master.recording import RecordGroup, Rows, Sink
 from cosim.scenario import Scenario
 
-FIRST_CHUNK, LONGEST_CHUNK = 64, 1024
+FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
 CHUNK_SECONDS = (0.005, 0.05)
 """A chunk grows while it takes less than the first and shrinks where it takes more than the second,
 so that Ctrl-C is heard soon."""
@@ -126,7 +127,9 @@ class Simulation:
             self._start(end, recorded=sink is not None)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
-            self._loop(end, sink, progress, pacer)
+            with wish_to_stop() as wish:
+                self._loop(end, sink, progress, pacer, wish)
+            interrupted = wish.is_made and self.program.kernel.tick < end
         except KeyboardInterrupt:
             interrupted = True
         finally:
@@ -221,7 +224,12 @@ class Simulation:
                     self.program.cells[held + index] = start
 
     def _loop(
-        self, end: int, sink: Sink | None, progress: Progress | None, pacer: Pacer | None
+        self,
+        end: int,
+        sink: Sink | None,
+        progress: Progress | None,
+        pacer: Pacer | None,
+        wish: Wish,
     ) -> None:
         kernel = self.program.kernel
         chunk = FIRST_CHUNK
@@ -229,7 +237,7 @@ class Simulation:
         if pacer is not None:
             pacer.start(kernel.tick)
         try:
-            while kernel.tick < end:
+            while kernel.tick < end and not wish.is_made:
                 first = kernel.tick
                 stop = min(end, first + (1 if pacer is not None else chunk))
                 if pacer is not None:

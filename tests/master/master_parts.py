@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Mapping, Sequence
 
 from cosim.component import Causality, Cells, Component, Setup, Variable, VariableType
@@ -79,3 +80,9 @@ class Spring(Component):
         )
         self.outputs["force"][0] = force
         self.outputs["reaction"][0] = -force
+
+
+class PressesCtrlC(Growing):
+    def step(self, tick: int) -> None:
+        if tick == 300:
+            signal.raise_signal(signal.SIGINT)
