@@ -79,6 +79,7 @@ def _grasp(figure: Any, runs: Mapping[str, Run]) -> None:
 
 def _free_motion(figure: Any, runs: Mapping[str, Run]) -> None:
     axis = figure.subplots()
+    copies = ("vr_a.finger_1.normal_force", "vr_b.finger_1.normal_force")
     shown = (
         ("free_motion", "distributed", copies),
         ("free_motion_printed", "distributed, -0.88 N·s/m", copies),

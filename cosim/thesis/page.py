@@ -51,7 +51,7 @@ def number(value: float | Sequence[float] | None, unit: str) -> str:
     values = [value] if isinstance(value, int | float) else list(value)
     prefix, factor = _scale(max(abs(one) for one in values if math.isfinite(one)), unit)
     text = " to ".join(f"{one * factor:.4g}" for one in values)
-    return f"{text} {prefix}{unit}".rstrip()
+    return text if unit in {"", "1"} else f"{text} {prefix}{unit}"
 
 
 def limit(entry: Mapping[str, Any]) -> str:

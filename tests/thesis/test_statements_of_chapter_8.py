@@ -12,6 +12,9 @@ import pytest
 from cosim.analysis import load_tuned
 from cosim.scenario import load
 from cosim.session import run_scenario
+from cosim.thesis.experiments import run_one
+from cosim.thesis.figures import FIGURES, draw_figures
+from cosim.thesis.page import write_page
 from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, decide
 from tests.thesis.single_axis import net_force_amplitude
 
@@ -25,14 +28,14 @@ def entry(summary, target, label):
 
 
 @pytest.fixture(scope="module")
-def summaries(tmp_path_factory):
+def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("thesis")
-    return {
-        name: run_scenario(
-            load_tuned(f"thesis/{name}"), folder / name, figure=False
-        ).summary.content
-        for name in EXPERIMENTS
-    }
+    return {name: run_one(name, f"thesis/{name}", (), folder / name) for name in EXPERIMENTS}
+
+
+@pytest.fixture(scope="module")
+def summaries(runs):
+    return {name: ran.summary for name, ran in runs.items()}
 
 
 @pytest.mark.timeout(600)
@@ -69,6 +72,16 @@ def test_other_delays_agree_with_it_too(tmp_path: Path, round_trip, null):
         ).summary.content
         measured = entry(summary, NET_FORCE, "uncompensated")["measured"]
         assert measured == pytest.approx(net_force_amplitude(round_trip, compensation), rel=0.1)
+
+
+def test_the_page_shows_every_statement_measurement_and_figure(runs, summaries, tmp_path: Path):
+    figures = {name: tmp_path / file for name, file in draw_figures(runs, tmp_path).items()}
+    assert set(figures) == set(FIGURES)
+    write_page(tmp_path / "thesis.html", decide(summaries, {}), runs, figures)
+    page = (tmp_path / "thesis.html").read_text(encoding="utf-8")
+    assert page.count("<article") == len(STATEMENTS)
+    assert page.count("data:image/png") == len(FIGURES)
+    assert "not measured" not in page
 
 
 def test_each_piece_of_evidence_is_an_expectation_of_its_scenario():
