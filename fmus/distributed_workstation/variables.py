@@ -40,6 +40,7 @@ MODEL = Model(
         "model.c",
         "world.c",
         "box.c",
+        "lattice.c",
         "contact.c",
         "finger.c",
         "packet.c",

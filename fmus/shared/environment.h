@@ -51,8 +51,16 @@ static const char *environment_set_up(const Variables *v, World *world, WorldSta
                         v->wall[w].friction, v->wall[w].friction, v->slide_threshold},
         };
     }
-    state->box.pose =
-        (Planar){v->initial_box_pose.x, v->initial_box_pose.y, v->initial_box_pose.theta};
+    world->soft = v->environment == ENVIRONMENT_MASS_SPRING;
+    world->lattice = (Lattice){0.5 * v->side, v->mass / LATTICE_NODES, v->soft_stiffness,
+                               v->soft_damping, v->ground_friction * v->gravity};
+    const double reach = v->sample_period * v->sample_period * v->soft_stiffness
+                         + 2.0 * v->sample_period * v->soft_damping;
+    if (world->soft && LATTICE_OUTLINE * reach > 4.0 * world->lattice.node_mass)
+        return "soft_stiffness or soft_damping is too large for mass and sample_period: the object's "
+               "own vibration would be unstable. Lower them, or step faster.";
+    world_place(world, state,
+                (Planar){v->initial_box_pose.x, v->initial_box_pose.y, v->initial_box_pose.theta});
     return NULL;
 }
 
@@ -155,6 +163,12 @@ static void environment_outputs(Variables *v, const Station *station, const Stat
     WRITE_PLANAR(v->wall_wrench, forces->from_walls);
     v->wall_penetration = forces->wall_penetration;
     v->box_energy = box_energy(&world->box, &state->box);
+    const LatticeState nodes =
+        world->soft ? state->lattice : lattice_at(&world->lattice, state->box.pose);
+    for (int i = 0; i < LATTICE_NODES; i++) {
+        v->node_position[2 * i] = nodes.position[i].x;
+        v->node_position[2 * i + 1] = nodes.position[i].y;
+    }
 }
 
 static void environment_commit(const Variables *v, const Station *station, StationState *own,

@@ -35,6 +35,19 @@ INTEGRATION = Enumeration(
     ),
 )
 
+ENVIRONMENT = Enumeration(
+    name="Environment",
+    description="The object that the users hold",
+    items=(
+        Item(name="box", value=0, description="A rigid square (thesis, chapter 7)"),
+        Item(
+            name="mass_spring",
+            value=1,
+            description="A soft square: 3 x 3 masses with springs along edges and diagonals",
+        ),
+    ),
+)
+
 PREDICTOR = Enumeration(
     name="Predictor",
     description="Where a peer is taken to be between its packets",
@@ -138,6 +151,9 @@ def compensation_group() -> Group:
 def box_parameters() -> tuple[Variable | Group, ...]:
     """The box, the ground and the integration."""
     return (
+        choice("environment", "The object that the users hold", ENVIRONMENT),
+        real("soft_stiffness", "Stiffness of the soft square's springs (chosen)", "N/m", 800.0),
+        real("soft_damping", "Damping of the soft square's springs (chosen)", "N.s/m", 0.5),
         real("mass", "Mass of the box (thesis, chapter 5)", "kg", 0.4),
         real(
             "inertia", "Inertia of the box; that of a uniform square of the side", "kg.m2", 6.7e-4
@@ -249,5 +265,11 @@ def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[Variable | Group,
             peer_inputs,
         ),
         output("wall_penetration", "Depth of the deepest corner in a wall", "m"),
-        output("box_energy", "Kinetic energy of the box", "J"),
+        output("box_energy", "Kinetic energy of the box's motion as a whole", "J"),
+        output(
+            "node_position",
+            "Positions (x, y) of 3 x 3 points of the object, row by row from its lower left corner",
+            "m",
+            size=18,
+        ),
     )

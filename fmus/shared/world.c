@@ -6,27 +6,57 @@ static const Cancellation NO_CANCELLATION = {0.0, 0.0, 0.0};
 
 static bool is_finite(Vector v) { return isfinite(v.x) && isfinite(v.y); }
 
-/* One finger on the box: its next contact, the force on it, and the wrench of its reaction. */
-static Contact finger_contact(const World *world, const BoxState *box, Rotation rotation,
+void world_place(const World *world, WorldState *state, Planar pose)
+{
+    state->box = (BoxState){.pose = pose};
+    if (world->soft) state->lattice = lattice_at(&world->lattice, pose);
+}
+
+/* One finger on the object: its next contact, the force on it, and the wrench of its reaction. */
+static Contact finger_contact(const World *world, const WorldState *state, Rotation rotation,
                               const Surface *surface, const Cancellation *cancellation,
                               const Contact *before, const FingerInput *finger, double weight,
-                              FingerForce *force, Planar *wrench)
+                              WorldForces *forces, FingerForce *force, Planar *wrench)
 {
     *force = (FingerForce){0};
     Touch touch = {.touching = false};
+    LatticeGrip grip = {0};
     if (finger->present && is_finite(finger->position) && is_finite(finger->velocity))
-        touch = box_touch(&world->box, box, rotation, before, finger->position, finger->velocity);
+        touch = world->soft ? lattice_touch(&world->lattice, &state->lattice, before,
+                                            finger->position, finger->velocity, &grip)
+                            : box_touch(&world->box, &state->box, rotation, before,
+                                        finger->position, finger->velocity);
     const Contact next = contact_next(before, surface, &touch, cancellation, &force->along);
     if (!touch.touching) return next;
     force->along.normal *= weight;
     force->along.tangential *= weight;
-    const Vector normal = box_normal(touch.face);
-    force->force = turn(rotation, plus(times(force->along.normal, normal),
-                                       times(force->along.tangential, left_of(normal))));
-    *wrench = planar_sum(*wrench, wrench_at(times(-1.0, force->force), finger->position,
-                                            (Vector){box->pose.x, box->pose.y}));
+    const Vector normal = world->soft ? grip.normal : turn(rotation, box_normal(touch.face));
+    force->force = plus(times(force->along.normal, normal),
+                        times(force->along.tangential, left_of(normal)));
+    const Vector reaction = times(-1.0, force->force);
+    if (world->soft) lattice_push(&grip, reaction, forces->node);
+    *wrench = planar_sum(*wrench, wrench_at(reaction, finger->position,
+                                            (Vector){state->box.pose.x, state->box.pose.y}));
     return next;
 }
+
+/* A point of the object that may meet a wall. */
+typedef struct {
+    Vector position, velocity;
+    int node;
+} WallPoint;
+
+static WallPoint wall_point(const World *world, const WorldState *state, Rotation rotation, int i)
+{
+    if (world->soft) {
+        const int node = lattice_outline(i);
+        return (WallPoint){state->lattice.position[node], state->lattice.velocity[node], node};
+    }
+    const Vector corner = box_corner(&world->box, &state->box, rotation, i);
+    return (WallPoint){corner, box_point_velocity(&state->box, corner), 0};
+}
+
+static int wall_points(const World *world) { return world->soft ? LATTICE_OUTLINE : CORNERS; }
 
 static void walls(const World *world, const WorldState *state, Rotation rotation,
                   WorldForces *forces)
@@ -34,22 +64,21 @@ static void walls(const World *world, const WorldState *state, Rotation rotation
     const Vector centre = {state->box.pose.x, state->box.pose.y};
     for (int w = 0; w < WALLS; w++) {
         const Wall *wall = &world->wall[w];
-        for (int c = 0; c < CORNERS; c++) forces->wall_contact[w][c] = state->wall[w][c];
         if (!wall->enabled) continue;
         const Vector tangent = left_of(wall->normal);
-        for (int c = 0; c < CORNERS; c++) {
-            const Vector corner = box_corner(&world->box, &state->box, rotation, c);
-            const Vector velocity = box_point_velocity(&state->box, corner);
-            const Vector arm = minus(corner, wall->point);
+        for (int i = 0; i < wall_points(world); i++) {
+            const WallPoint point = wall_point(world, state, rotation, i);
+            const Vector arm = minus(point.position, wall->point);
             const double depth = -dot(arm, wall->normal);
             const Touch touch = {depth > 0.0, 1, depth, dot(arm, tangent),
-                                 dot(velocity, wall->normal), dot(velocity, tangent)};
+                                 dot(point.velocity, wall->normal), dot(point.velocity, tangent)};
             ContactForce along;
-            forces->wall_contact[w][c] = contact_next(&state->wall[w][c], &wall->surface, &touch,
+            forces->wall_contact[w][i] = contact_next(&state->wall[w][i], &wall->surface, &touch,
                                                       &NO_CANCELLATION, &along);
             if (!touch.touching) continue;
             const Vector force = plus(times(along.normal, wall->normal), times(along.tangential, tangent));
-            forces->from_walls = planar_sum(forces->from_walls, wrench_at(force, corner, centre));
+            if (world->soft) forces->node[point.node] = plus(forces->node[point.node], force);
+            forces->from_walls = planar_sum(forces->from_walls, wrench_at(force, point.position, centre));
             forces->wall_penetration = fmax(forces->wall_penetration, depth);
         }
     }
@@ -95,14 +124,14 @@ static void peers(const World *world, const WorldState *state, const WorldInput 
         const PeerInput *peer = &input->peer[p];
         for (int f = 0; f < PEER_FINGERS; f++)
             forces->peer_contact[p][f] = finger_contact(
-                world, &state->box, rotation, &world->peer_surface, &NO_CANCELLATION,
-                &state->peer[p][f], &peer->finger[f], peer->weight, &forces->peer[p][f],
-                &forces->from_peers);
+                world, state, rotation, &world->peer_surface, &NO_CANCELLATION, &state->peer[p][f],
+                &peer->finger[f], peer->weight, forces, &forces->peer[p][f], &forces->from_peers);
         if (!(peer->coupled && peer->weight > 0.0 && state_is_finite(&peer->box))) continue;
         const Planar pull = coupling_wrench(&world->coupling, &state->box, &peer->box);
-        forces->from_peers =
-            planar_sum(forces->from_peers, (Planar){peer->weight * pull.x, peer->weight * pull.y,
-                                                    peer->weight * pull.theta});
+        const Planar felt = {peer->weight * pull.x, peer->weight * pull.y,
+                             peer->weight * pull.theta};
+        if (world->soft) lattice_spread(&state->lattice, state->box.pose, felt, forces->node);
+        forces->from_peers = planar_sum(forces->from_peers, felt);
     }
 }
 
@@ -113,15 +142,15 @@ void world_forces(const World *world, const WorldState *state, const WorldInput 
     const BoxState *box = &state->box;
     const Rotation rotation = {cos(box->pose.theta), sin(box->pose.theta)};
     for (int f = 0; f < OWN_FINGERS; f++)
-        forces->own_contact[f] = finger_contact(world, box, rotation, &world->own_surface,
-                                                &world->cancellation[f], &state->own[f],
-                                                &input->own[f], 1.0, &forces->own[f],
-                                                &forces->from_own);
+        forces->own_contact[f] = finger_contact(
+            world, state, rotation, &world->own_surface, &world->cancellation[f], &state->own[f],
+            &input->own[f], 1.0, forces, &forces->own[f], &forces->from_own);
     peers(world, state, input, rotation, forces);
     walls(world, state, rotation, forces);
     const Planar compensation = {-world->compensation.x * box->velocity.x,
                                  -world->compensation.y * box->velocity.y,
                                  -world->compensation.theta * box->velocity.theta};
+    if (world->soft) lattice_spread(&state->lattice, box->pose, compensation, forces->node);
     forces->total = planar_sum(planar_sum(forces->from_own, forces->from_peers),
                                planar_sum(forces->from_walls, compensation));
 }
@@ -132,6 +161,16 @@ void world_step(const World *world, WorldState *state, const WorldForces *forces
     for (int p = 0; p < PEERS; p++)
         for (int f = 0; f < PEER_FINGERS; f++) state->peer[p][f] = forces->peer_contact[p][f];
     for (int w = 0; w < WALLS; w++)
-        for (int c = 0; c < CORNERS; c++) state->wall[w][c] = forces->wall_contact[w][c];
-    state->box = box_step(&world->box, &state->box, forces->total, world->period);
+        for (int i = 0; world->wall[w].enabled && i < wall_points(world); i++)
+            state->wall[w][i] = forces->wall_contact[w][i];
+    if (!world->soft) {
+        state->box = box_step(&world->box, &state->box, forces->total, world->period);
+        return;
+    }
+    lattice_step(&world->lattice, &state->lattice, forces->node, world->period);
+    const BoxState mean = lattice_mean(&world->lattice, &state->lattice);
+    const double turned = angle_between(state->box.pose.theta, mean.pose.theta);
+    const double theta = state->box.pose.theta + turned;
+    state->box = mean;
+    state->box.pose.theta = theta;
 }

@@ -1,5 +1,5 @@
-/* The shared environment as one workstation sees it: the box, the fingers on it, the walls, and the
- * couplings to other workstations' copies of the box. Section 7.2 of the thesis; for the couplings
+/* The shared environment as one workstation sees it: the box or its soft twin, the fingers on
+ * it, the walls, and the couplings to other workstations' copies of the box. Section 7.2 of the thesis; for the couplings
  * its figure 4.2 and the wrench balance in the models' README files.
  */
 #ifndef COHAPTIC_WORLD_H
@@ -7,9 +7,11 @@
 
 #include "box.h"
 #include "contact.h"
+#include "lattice.h"
 #include "vector.h"
 
-enum { OWN_FINGERS = 2, PEERS = 3, PEER_FINGERS = 2, WALLS = 4, CORNERS = 4 };
+enum { OWN_FINGERS = 2, PEERS = 3, PEER_FINGERS = 2, WALLS = 4, CORNERS = 4,
+       WALL_POINTS = LATTICE_OUTLINE };
 
 typedef struct {
     bool enabled;
@@ -25,6 +27,8 @@ typedef struct {
 
 typedef struct {
     Box box;
+    bool soft; /* the lattice takes the box's place */
+    Lattice lattice;
     Surface own_surface, peer_surface; /* K_11 and K_12 */
     Wall wall[WALLS];
     Coupling coupling;
@@ -34,10 +38,11 @@ typedef struct {
 } World;
 
 typedef struct {
-    BoxState box;
+    BoxState box; /* with a lattice: its mean */
+    LatticeState lattice;
     Contact own[OWN_FINGERS];
     Contact peer[PEERS][PEER_FINGERS];
-    Contact wall[WALLS][CORNERS];
+    Contact wall[WALLS][WALL_POINTS];
 } WorldState;
 
 typedef struct {
@@ -66,11 +71,15 @@ typedef struct {
     FingerForce own[OWN_FINGERS];
     FingerForce peer[PEERS][PEER_FINGERS];
     Planar from_own, from_peers, from_walls, total; /* on the box */
-    double wall_penetration; /* deepest corner, m */
+    double wall_penetration; /* deepest point, m */
     Contact own_contact[OWN_FINGERS];
     Contact peer_contact[PEERS][PEER_FINGERS];
-    Contact wall_contact[WALLS][CORNERS];
+    Contact wall_contact[WALLS][WALL_POINTS];
+    Vector node[LATTICE_NODES]; /* outer forces on the lattice */
 } WorldForces;
+
+/* Put the object at a pose, at rest. */
+void world_place(const World *world, WorldState *state, Planar pose);
 
 /* All forces at this tick, and the contacts as they will be committed. Pure. */
 void world_forces(const World *world, const WorldState *state, const WorldInput *input,
