@@ -2,8 +2,8 @@
 
 Searched are the stiffness and the damping of every coupler, and, at the end, the compensation:
 every stiffness grows by the same small factors for as long as any can, dampings moving along where
-that lets one grow, so that none is bought with another. *Margin* m means: still mean-square stable with
-every stiffness, every damping, or both, multiplied by 1 + m.
+that lets one grow, so that none is bought with another. *Margin* m means: still mean-square stable
+with every stiffness, every damping, or both, multiplied by 1 + m.
 """
 
 from __future__ import annotations
