@@ -159,9 +159,7 @@ def _ideal(parameters: Parameters, timing: Timing, case: Case, frequencies: Real
     def sampled(period: float) -> Complex:
         F, G = zero_order_hold(A, B, period)
         found = [
-            complex(
-                np.vdot(read, solve_complex(np.exp(1j * w * period) * np.eye(2) - F, G[:, 0]))
-            )
+            complex(np.vdot(read, solve_complex(np.exp(1j * w * period) * np.eye(2) - F, G[:, 0])))
             for w in frequencies
         ]
         return np.array(found, dtype=np.complex128)
