@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,11 @@ def read_description(path: Path, structure: Mapping[str, int] | None = None) -> 
     Raises:
         InputError: the archive or its description cannot be used.
     """
-    digest = sha256_of(path)
+    return _read(path, sha256_of(path), tuple(sorted((structure or {}).items())))
+
+
+@lru_cache(maxsize=128)
+def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> FmuDescription:
     folder = unpack(path)
     description = _parse(path, folder)
     version = description.fmiMajorVersion
@@ -86,7 +91,7 @@ def read_description(path: Path, structure: Mapping[str, int] | None = None) -> 
             "brings no solver of its own)"
         )
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
-    shapes = _Shapes(structure or {}, by_reference)
+    shapes = _Shapes(dict(structure), by_reference)
     variables = {v.name: _variable(v, version, shapes) for v in description.modelVariables}
     return FmuDescription(
         path=path,

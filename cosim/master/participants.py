@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -49,10 +50,11 @@ def read_participants(
     ``made`` holds Python components that exist already, by name: they are not made from ``source``.
     """
     found: dict[str, Participant] = {}
+    bundled = cache(_bundled)
     for name, written in scenario.components.items():
         with problems.at(("components", name)):
             participant = (
-                _read_fmu(written, clock, problems)
+                _read_fmu(written, bundled, clock, problems)
                 if written.kind is Kind.FMU
                 else _read_python(written, scenario, problems, (made or {}).get(name))
             )
@@ -85,13 +87,20 @@ def setup_of(scenario: Scenario, participant: Participant) -> Setup:
     )
 
 
-def _read_fmu(written: scenarios.Component, clock: Clock, problems: Problems) -> Participant:
-    if written.is_bundled:
-        import fmus
+def _bundled(model: str, flavour: str) -> Path:
+    import fmus
 
-        path = fmus.find(written.source, written.flavour)
-    else:
-        path = Path(written.source)
+    return fmus.find(model, flavour)
+
+
+def _read_fmu(
+    written: scenarios.Component,
+    bundled: Callable[[str, str], Path],
+    clock: Clock,
+    problems: Problems,
+) -> Participant:
+    own, source = written.is_bundled, written.source
+    path = bundled(source, written.flavour) if own else Path(source)
     description = read_description(path)
     find_binary(description)
     parameters = _values(written, description, "parameters", written.parameters, problems)
