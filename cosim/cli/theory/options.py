@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -21,6 +21,9 @@ from cosim.theory.parameters import (
     Parameters,
 )
 from cosim.theory.timing import Delay, Timing
+
+if TYPE_CHECKING:
+    from cosim.analysis.single_axis import ScenarioLoop
 
 DEFAULTS: dict[int, dict[Architecture, dict[str, float]]] = {5: CHAPTER_5, 6: TABLE_6_1}
 
@@ -90,6 +93,8 @@ def loop_options(
 
 _SHARED = (
     "architecture",
+    "scenario",
+    "overlays",
     "settings",
     "round_trip_delay",
     "each_way_delay",
@@ -102,8 +107,14 @@ _SHARED = (
 )
 _OPTIONS = (
     click.option("--architecture", type=click.Choice(ARCHITECTURES), help="Which loop."),
+    click.option("--scenario", metavar="FILE", help="Read the loop from a single-axis scenario."),
+    click.option("--with", "overlays", multiple=True, metavar="FILE", help="Overlay for it."),
     click.option(
-        "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A parameter; repeatable."
+        "--set",
+        "settings",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="A parameter, or with --scenario a dotted path in it; repeatable.",
     ),
     click.option(
         "--round-trip-delay",
@@ -131,6 +142,8 @@ def _loop(
     chapter: int,
     *,
     architecture: str | None,
+    scenario: str | None,
+    overlays: tuple[str, ...],
     settings: tuple[str, ...],
     round_trip_delay: int | None,
     each_way_delay: int | None,
@@ -141,22 +154,52 @@ def _loop(
     computation_delay: int | None,
     users: int | None,
 ) -> Loop:
-    if architecture is None:
-        raise InputError(f"Say which loop: --architecture {'|'.join(ARCHITECTURES)}.")
-    named = cast("Architecture", architecture)
+    delay_forms = (round_trip_delay, each_way_delay, forward_delay, backward_delay)
+    given_delay = None
+    if any(form is not None for form in delay_forms):
+        given_delay = read_delay(*delay_forms)
+    if scenario is not None:
+        paths = tuple(text for text in settings if "." in text.partition("=")[0])
+        found = _from_scenario(scenario, overlays, paths)
+        if architecture not in {None, found.architecture} or users not in {None, found.users}:
+            raise InputError(
+                f"{scenario} is {found.architecture} with {found.users} users, which contradicts "
+                "what --architecture or --users say: leave them out."
+            )
+        named, count, defaults = found.architecture, found.users, found.values
+        settings = tuple(text for text in settings if text not in paths)
+        base, notes = found.timing, found.notes
+    else:
+        if architecture is None:
+            raise InputError(
+                f"Say which loop: --architecture {'|'.join(ARCHITECTURES)}, or --scenario FILE."
+            )
+        if overlays:
+            raise InputError("--with lays a file over a scenario: give --scenario FILE too.")
+        named = cast("Architecture", architecture)
+        count, defaults, base, notes = users or 2, DEFAULTS[chapter][named], Timing(), ()
     given = dict(read_setting(text) for text in settings)
-    parameters = Parameters(named, given, DEFAULTS[chapter][named], users or 2)
-    single = named == "single"
-    timing = Timing(
-        control_period=1 / read_fraction("--control-rate", control_rate or "1024"),
+    parameters = Parameters(named, given, defaults, count)
+    changes: dict[str, Any] = {}
+    if control_rate is not None:
+        changes["control_period"] = 1 / read_fraction("--control-rate", control_rate)
+    if ratio is not None:
+        changes["ratio"] = read_fraction("--ratio", ratio)
+    if given_delay is not None:
+        changes["delay"] = given_delay
+    if computation_delay is not None:
+        changes["computation_delay"] = computation_delay
+    if named == "single":
         # The single-user loop has no network: one frame is one control tick.
-        ratio=Fraction(1) if single else read_fraction("--ratio", ratio or "8"),
-        delay=Delay()
-        if single
-        else read_delay(round_trip_delay, each_way_delay, forward_delay, backward_delay),
-        computation_delay=computation_delay or 0,
-    )
-    return Loop(parameters, timing)
+        changes |= {"ratio": Fraction(1), "delay": Delay()}
+    return Loop(parameters, replace(base, **changes), notes)
+
+
+def _from_scenario(name: str, overlays: tuple[str, ...], paths: tuple[str, ...]) -> ScenarioLoop:
+    from cosim.analysis.single_axis import read_loop
+    from cosim.scenario import load
+
+    return read_loop(load(name, overlays, paths))
 
 
 def read_setting(text: str) -> tuple[str, float]:
