@@ -12,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from cosim.component import Component
 from cosim.errors import CohapticError, RunError
 from cosim.master.pacing import Pacer
 from cosim.master.recording import RecordGroup
@@ -19,6 +20,7 @@ from cosim.master.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
+from cosim.record.spool import Spool
 from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
@@ -68,11 +70,16 @@ def run_scenario(
     pacer: Pacer | None = None,
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
+    made: Mapping[str, Component] | None = None,
+    link: Callable[[], Mapping[str, Any]] | None = None,
+    ended: Callable[[], None] | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
 
     Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
-    drawn all the same. ``deadlines`` is asked for its statistics after a paced run.
+    drawn all the same. ``deadlines`` is asked for its statistics after a paced run, ``link``
+    for those of a real link; ``ended`` is called as soon as the loop is over. ``made`` holds Python
+    components that exist already, by name.
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -81,7 +88,7 @@ def run_scenario(
     """
     began = time.perf_counter()
     check_folder(out)
-    with assemble(scenario) as simulation:
+    with assemble(scenario, made) as simulation:
         units = {
             column.name: column.unit or ""
             for group in simulation.groups
@@ -91,7 +98,7 @@ def run_scenario(
         manifest = describe(scenario, _components(simulation))
         manifest["notes"] = list(simulation.notes)
         recorder = _FolderRecorder(scenario, out, manifest, began)
-        error = _run(simulation, recorder, progress, pacer)
+        error = _run(simulation, recorder, progress, pacer, ended)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")
@@ -99,6 +106,7 @@ def run_scenario(
     manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
     manifest["warnings"] = dict(outcome.warnings)
     manifest["deadlines"] = None if deadlines is None else dict(deadlines())
+    manifest["link"] = None if link is None else dict(link())
     conclude(
         manifest,
         status=_status(outcome, error),
@@ -117,12 +125,24 @@ def run_scenario(
 
 
 def _run(
-    simulation: Simulation, recorder: Recorder, progress: Progress | None, pacer: Pacer | None
+    simulation: Simulation,
+    recorder: Recorder,
+    progress: Progress | None,
+    pacer: Pacer | None,
+    ended: Callable[[], None] | None,
 ) -> CohapticError | None:
     """The loop; the record is complete afterwards, whatever happened."""
+    # A paced loop must not wait for the recorder's thread, not even for the interpreter's lock.
+    spool = Spool(recorder) if pacer is not None else None
     try:
         with recorder:
-            simulation.run(recorder, progress=progress, pacer=pacer)
+            try:
+                simulation.run(spool or recorder, progress=progress, pacer=pacer)
+            finally:
+                if ended is not None:
+                    ended()
+                if spool is not None:
+                    spool.drain()
     except CohapticError as error:
         return error
     return None

@@ -18,6 +18,7 @@ COMMANDS = {
     "netchar": "Measure the network between two machines: delay, jitter, loss, rate.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",
+    "station": "Run one workstation of a scenario, linked to the others over UDP.",
     "thesis": "Rerun the experiments of chapters 7 and 8 and judge the thesis by them.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
 }

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.component import Variable
+from cosim.component import Variable, VariableType
 from cosim.errors import InputError
 from cosim.link.packet import LARGEST_DATAGRAM, datagram_size
 
@@ -55,6 +55,7 @@ class Field:
     unit: str | None = None
     size: int = 1
     integer: bool = False
+    boolean: bool = False
     minimum: float = -math.inf
     maximum: float = math.inf
     speed: float = math.inf
@@ -77,14 +78,18 @@ class Field:
             role = FieldRole.VALUE
         integer = not variable.type.is_float
         magnitude, default_speed = LIMITS_BY_UNIT.get(variable.unit or "", (math.inf, math.inf))
+        lowest = -magnitude
         if integer:
-            magnitude = 2.0**53
+            lowest, magnitude = -(2.0**53), 2.0**53
+        if variable.type is VariableType.BOOLEAN:
+            lowest, magnitude = 0.0, 1.0
         return cls(
             name=name or variable.name,
             unit=variable.unit,
             size=math.prod(variable.shape) if variable.shape else 1,
             integer=integer,
-            minimum=-magnitude if variable.minimum is None else variable.minimum,
+            boolean=variable.type is VariableType.BOOLEAN,
+            minimum=lowest if variable.minimum is None else variable.minimum,
             maximum=magnitude if variable.maximum is None else variable.maximum,
             speed=default_speed if speed is None else speed,
             role=role,

@@ -23,7 +23,7 @@ _BODY = struct.Struct("<qqqqII")
 SYNC_SIZE = HEADER.size + _BODY.size + TAG_SIZE
 SYNC_INTERVAL = 20_000_000
 SYNC_EXCHANGES = 16
-LEAD = 500_000_000
+LEAD = 1_000_000_000
 """ns between the decision and the start."""
 WAIT_FOR_OTHERS = 2_000_000_000
 """ns that a station which joins a running session waits for stations that do not answer."""
@@ -76,6 +76,8 @@ class Meeting:
     ) -> None:
         self.own = own
         self.start: Start | None = None
+        self.armed = True
+        """Whether the own loop could begin; until then the others are not told to."""
         self.dropped = 0
         """SYNC messages that were forged, replayed or of no session."""
         self._tick_ns = tick * 1_000_000_000
@@ -186,14 +188,14 @@ class Meeting:
         return bytes(datagram)
 
     def _ready(self) -> bool:
-        return all(self._known(guest) for guest in self._guests.values())
+        return self.armed and all(self._known(guest) for guest in self._guests.values())
 
     @staticmethod
     def _known(guest: _Guest) -> bool:
         return guest.handshake.settled and guest.clock.samples >= SYNC_EXCHANGES
 
     def _decide(self, now: int) -> None:
-        if self.start is not None or self._running:
+        if self.start is not None or self._running or not self.armed:
             return
         running = [
             guest

@@ -22,6 +22,7 @@ from cosim.link.settings import LinkSettings
 from cosim.link.transport import LARGEST_READ, Transport
 
 READS_PER_TICK = 32
+_TELLING = (Fate.ACCEPTED, Fate.LATE)
 ACTIVE = 2
 FAULT = 4
 """Bits of a status field (docs/protocol.md)."""
@@ -138,7 +139,7 @@ class PeerLink:
             stream = datagram[4] | datagram[5] << 8
             if stream < len(self.incoming):
                 receiver = self.incoming[stream].receiver
-                if receiver.accept(datagram, tick) is Fate.ACCEPTED:
+                if receiver.accept(datagram, tick) in _TELLING:
                     self._learn(receiver)
                 return
         elif Kind.HELLO <= kind <= Kind.SYNC:
@@ -150,7 +151,7 @@ class PeerLink:
         self.foreign += 1
 
     def _learn(self, receiver: Receiver) -> None:
-        """Take what an accepted packet says about the peer's clock and grid."""
+        """Take what an authentic packet says about the peer's clock and grid."""
         arrived = self.transport.arrival()
         sent, echo_sent, echo_received = receiver.last_times
         self._echo = (sent, arrived)
@@ -170,7 +171,9 @@ class PeerLink:
             item.age = max(0, age) + item.source_age
             active = item.active and not receiver.stopping and self.session is not None
             item.weight.update(fresh=item.fresh, source_age=item.source_age, active=active)
-            item.valid = active and item.weight.weight > 0.0
+            # A source that is no longer active fades before it is declared invalid: an input that
+            # switches a force off at once would be a jump on the hand.
+            item.valid = item.weight.weight > 0.0
 
     def _inspect(self, number: int, item: Incoming) -> None:
         """Of newly released values, find the source's age and whether it is active."""
@@ -195,6 +198,29 @@ class PeerLink:
             if tick % bundle.period == 0:
                 self._seal(bundle, writer, (tick, now), epoch=epoch, flags=flags)
                 self.sent += self.transport.send(writer.datagram)
+
+    def send_initial(self, tick: int, now: int, epoch: int) -> None:
+        """Before the start: send the values as they are at the first tick."""
+        if self.session is None:
+            return
+        for bundle, writer in zip(self.outgoing, self.writers, strict=True):
+            self._seal(bundle, writer, (tick, now), epoch=epoch, flags=Flag.INITIAL)
+            self.sent += self.transport.send(writer.datagram)
+
+    def take_initial(self) -> bool:
+        """Before the start: hold what the peer has sent of its first tick, if it has."""
+        found = False
+        for _ in range(READS_PER_TICK):
+            size = self.transport.receive(self._buffer)
+            if size < 0:
+                break
+            datagram = self._buffer[:size]
+            kind = datagram[3] if size >= HEADER.size else 0
+            if Kind.HELLO <= kind <= Kind.SYNC:
+                self._forward(datagram, self.transport.arrival())
+            elif kind == Kind.DATA:
+                found |= any(item.receiver.take_initial(datagram) for item in self.incoming)
+        return found
 
     def stop(self, tick: int, now: int, epoch: int) -> None:
         """Tell the peer that this side stops: three copies, because one may be lost."""

@@ -99,7 +99,7 @@ class Receiver:
         self.highest = -1
         """Highest authentic sequence of this session."""
         self.last_times = (0, 0, 0)
-        """sent, echo_sent, echo_received (ns) of the last accepted packet."""
+        """sent, echo_sent, echo_received (ns) of the last authentic packet."""
         self.peer_epoch = 0
         """Where the peer's clock (ns) has session tick 0 on the peer's present grid."""
         self.acknowledged = -1
@@ -198,6 +198,11 @@ class Receiver:
         sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, _ = opened
         if flags & Flag.INITIAL:
             return Fate.LATE
+        # Clock and grid are told by every authentic packet, also by one whose values are too old:
+        # how old it is cannot be known before the two grids are.
+        self.last_times = (sent, echo_sent, echo_received)
+        self.peer_epoch = epoch
+        self.acknowledged = acknowledged
         tick = sampled + self.slip
         if sequence < self.sequence:
             return Fate.REORDERED
@@ -209,9 +214,6 @@ class Receiver:
             return Fate.JUMP
         if flags & Flag.STOPPING:
             self.stopping = True
-        self.last_times = (sent, echo_sent, echo_received)
-        self.peer_epoch = epoch
-        self.acknowledged = acknowledged
         self._keep(reader.values, sequence, tick, now)
         return Fate.ACCEPTED
 

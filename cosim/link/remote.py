@@ -125,7 +125,8 @@ class RemoteStation(Component):
                 for cells, place in shown.values:
                     cells.reshape(-1)[:] = shown.item.receiver.values[place]
             self._show(shown)
-        if session_tick % self._update_every == 0:
+        often = self._update_every // 8 if not self.link.clock.ready else self._update_every
+        if session_tick % max(1, often) == 0:
             self._follow()
 
     def write(self, tick: int) -> None:
@@ -162,7 +163,7 @@ class RemoteStation(Component):
         shown.sequence[0] = item.receiver.sequence
 
     def _follow(self) -> None:
-        """Once a second: fit the clock, find the phase, say how to slew, count what slid."""
+        """Once a second, at first more often: fit the clock, find the phase, say how to slew."""
         link, grid = self.link, self.grid
         now = self._now()
         link.clock.update(now)
@@ -215,9 +216,10 @@ def _variables(link: PeerLink) -> tuple[Variable, ...]:
 
 
 def _variable(field: Field, causality: Causality) -> Variable:
+    kind = VariableType.INT64 if field.integer else VariableType.FLOAT64
     return Variable(
         name=field.name,
-        type=VariableType.INT64 if field.integer else VariableType.FLOAT64,
+        type=VariableType.BOOLEAN if field.boolean else kind,
         causality=causality,
         variability="discrete",
         unit=field.unit,

@@ -1,0 +1,140 @@
+"""``cohaptic station``: one workstation of a scenario, linked to the others over UDP."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from cosim.link.transport import Address
+
+
+@click.command("station")
+@click.argument("scenario")
+@click.option("--as", "own", required=True, metavar="STATION", help="Which station to run.")
+@click.option(
+    "--listen", default="127.0.0.1:47000", show_default=True, metavar="HOST:PORT", help="Own end."
+)
+@click.option(
+    "--peer",
+    "peers",
+    multiple=True,
+    metavar="[STATION=]HOST:PORT",
+    help="Another station's end; once for each.",
+)
+@click.option(
+    "--key",
+    type=click.Path(path_type=Path),
+    help="Key file of 'cohaptic keygen'; needed beyond this machine.",
+)
+@click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay a file over it.")
+@click.option("--set", "sets", multiple=True, metavar="A.B=C", help="Change one value.")
+@click.option("--duration", metavar="TIME", help="Time to run, instead of the scenario's (s).")
+@click.option("--wait", type=float, help="Seconds to wait for the others. [default: for ever]")
+@click.option(
+    "--realtime/--no-realtime",
+    default=True,
+    help="Ask the system for real-time scheduling (a station always runs in real time).",
+)
+@click.option(
+    "--on-miss",
+    "policy",
+    type=click.Choice(["count", "stop"]),
+    default="count",
+    show_default=True,
+    help="What a missed deadline means.",
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
+@click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
+def command(
+    *,
+    scenario: str,
+    own: str,
+    listen: str,
+    peers: tuple[str, ...],
+    key: Path | None,
+    overlays: tuple[str, ...],
+    sets: tuple[str, ...],
+    duration: str | None,
+    wait: float | None,
+    realtime: bool,
+    policy: str,
+    out: Path | None,
+    figure: bool,
+    as_json: bool,
+) -> None:
+    """Run one station of SCENARIO in real time; its channels become UDP links to the others.
+
+    Start the same scenario on every machine, each with its own --as. The stations compare what
+    they are about to run, agree on a start, and each records its own side.
+    """
+    from cosim.link.transport import Address
+    from cosim.scenario import load
+    from cosim.station.run import Arrangement, run_station
+    from hil.deadlines import Deadlines
+    from hil.realtime import clock_nanosleep
+
+    if duration is not None:
+        sets = (*sets, f"duration={duration}")
+    loaded = load(scenario, overlays, sets)
+    arrangement = Arrangement(
+        listen=Address.parse(listen, "--listen"),
+        peers=_peers(peers),
+        key_file=key,
+        policy="stop" if policy == "stop" else "count",
+        patience=wait,
+        prepare=_prepare if realtime else None,
+        ended=_leave if realtime else None,
+        sleep=clock_nanosleep(),
+        lateness=Deadlines(),
+    )
+    finished = run_station(loaded, own, arrangement, say=_say, out=out, figure=figure)
+    if as_json:
+        click.echo(json.dumps(finished.summary.content))
+        click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
+    else:
+        click.echo(finished.summary.text())
+    sys.exit(finished.summary.status)
+
+
+def _peers(given: tuple[str, ...]) -> dict[str, Address]:
+    from cosim.errors import InputError
+    from cosim.link.transport import Address
+
+    found: dict[str, Address] = {}
+    for text in given:
+        name, equals, address = text.partition("=")
+        name, address = (name, address) if equals else ("", text)
+        if name in found:
+            message = f"--peer {name or address} is given twice; write --peer STATION=host:port"
+            raise InputError(message)
+        found[name] = Address.parse(address, "--peer")
+    return found
+
+
+def _say(sentence: str) -> None:
+    click.echo(sentence, err=True)
+
+
+def _prepare() -> None:
+    """Ask for real-time scheduling; say what was not granted."""
+    from hil.realtime import LOOP_PRIORITY, freeze_garbage, lock_memory, real_time_priority
+
+    for grant in (freeze_garbage(), lock_memory(), real_time_priority(LOOP_PRIORITY)):
+        if not grant.granted:
+            _say(grant.sentence)
+
+
+def _leave() -> None:
+    """Give the scheduling back: what follows is no loop."""
+    import gc
+    import os
+
+    gc.enable()
+    if hasattr(os, "sched_setscheduler"):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))

@@ -1,0 +1,57 @@
+"""What two stations of a scenario must agree on, as plain values for the contract's hash."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from cosim.link.settings import LinkSettings
+from cosim.master.assemble import Assembly
+from cosim.station.split import Half, Peer
+
+_LOCAL = re.compile(r"finger_\d+\.|device$")
+"""Parameters that describe a station's own devices and where they stand."""
+
+
+def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
+    """The contract between ``half`` and ``peer``.
+
+    It holds rates, the layout of what crosses, parameters of the components at both ends of the
+    channels (environment and couplers) and the hashes of their FMUs. Device kind, calibration,
+    paths and what is recorded are left out.
+    """
+    scenario = assembly.scenario
+    ends: set[str] = set()
+    for bundle in (*peer.sends, *peer.receives):
+        ends |= {field.name.partition(".")[0] for field in bundle.fields}
+    channels = {bundle.channel: bundle for bundle in (*peer.sends, *peer.receives)}
+    return {
+        "base_rate": str(scenario.base_rate),
+        "rates": {name: str(bundle.period) for name, bundle in channels.items()},
+        "packets": {
+            f"{bundle.source} to {bundle.target} ({bundle.channel})": bundle.describe()
+            for bundle in (*peer.sends, *peer.receives)
+        },
+        "clock": _clock(peer.settings),
+        "components": {name: _component(assembly, name) for name in sorted(ends)},
+        "stations": sorted((half.own, peer.name)),
+    }
+
+
+def _clock(settings: list[LinkSettings]) -> str:
+    return settings[0].clock.value if settings else "follow"
+
+
+def _component(assembly: Assembly, name: str) -> dict[str, Any]:
+    participant = assembly.participants[name]
+    parameters = {
+        variable: values
+        for variable, values in participant.parameters.items()
+        if not _LOCAL.match(variable)
+    }
+    found: dict[str, Any] = {"period": participant.period, "parameters": parameters}
+    if participant.fmu is not None:
+        found["sha256"] = participant.fmu.sha256
+    else:
+        found["source"] = assembly.scenario.components[name].source
+    return found

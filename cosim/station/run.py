@@ -1,0 +1,212 @@
+"""Running one workstation: its half of the scenario, its links, its door, its record."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import lcm
+from pathlib import Path
+from typing import Any, Literal
+
+from cosim.errors import InputError
+from cosim.link.clock import PhaseFollower
+from cosim.link.door import Door
+from cosim.link.pacing import Lateness, StationPacer, Worst, sleep_until
+from cosim.link.peer_link import PeerLink
+from cosim.link.receiver import Fate
+from cosim.link.remote import Grid, RemoteStation
+from cosim.link.settings import ClockMode
+from cosim.link.transport import Address, UdpTransport, open_socket, refuse_open_network
+from cosim.master.assemble import put_together
+from cosim.scenario import Scenario
+from cosim.session import Finished, run_scenario
+from cosim.station.contract import contract_of
+from cosim.station.split import Half, Peer, split
+from cosim.suggest import did_you_mean
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrangement:
+    """How a station reaches the others, and how its loop keeps time."""
+
+    listen: Address
+    peers: Mapping[str, Address]
+    key_file: Path | None = None
+    policy: Literal["count", "stop"] = "count"
+    patience: float | None = None
+    """Seconds to wait for the others; ``None``: as long as it takes."""
+    sleep: Callable[[int], None] = sleep_until
+    lateness: Lateness = field(default_factory=Worst)
+    prepare: Callable[[], None] | None = None
+    """Called once in the loop's process, shortly before the loop."""
+    ended: Callable[[], None] | None = None
+    """Called as soon as the loop is over."""
+
+
+def run_station(
+    scenario: Scenario,
+    own: str,
+    arrangement: Arrangement,
+    *,
+    say: Callable[[str], None],
+    out: Path | None = None,
+    figure: bool = True,
+) -> Finished:
+    """Run station ``own`` of a scenario in real time, linked to the others.
+
+    Raises:
+        InputError: the scenario, a name, an address or the key cannot be used; or a peer runs
+            something else.
+        RunError: the others did not come.
+    """
+    full = put_together(scenario)
+    half = split(full, own)
+    addresses = _addresses(half, arrangement.peers)
+    refuse_open_network([arrangement.listen, *addresses], has_key=arrangement.key_file is not None)
+    for sentence in half.dropped:
+        say(f"left out at {own}: {sentence}")
+    tick = 1 / scenario.base_rate
+    period = lcm(*(b.period for peer in half.peers for b in (*peer.sends, *peer.receives)))
+    shared = len(addresses) > 1
+    door = Door(own, [peer.name for peer in half.peers])
+    sockets = [open_socket(arrangement.listen, address, shared=shared) for address in addresses]
+    try:
+        grid = Grid(tick_ns=float(tick * 1_000_000_000))
+        transports = [UdpTransport(link) for link in sockets]
+        leader = min(scenario_stations(half))
+        remotes = [
+            _remote(peer, transport, door.forward(number), grid, follows=peer.name == leader)
+            for number, (peer, transport) in enumerate(zip(half.peers, transports, strict=True))
+        ]
+        door.links = [remote.link for remote in remotes]
+        pacer = StationPacer(
+            grid=grid,
+            remotes=remotes,
+            door=door,
+            say=say,
+            period=period,
+            patience=arrangement.patience,
+            policy=arrangement.policy,
+            lateness=arrangement.lateness,
+            sleep=arrangement.sleep,
+            prepare=arrangement.prepare,
+        )
+        door.open(
+            sockets=sockets,
+            key_file=arrangement.key_file,
+            contracts=[contract_of(full, half, peer) for peer in half.peers],
+            tick=tick,
+            period=period,
+        )
+        made = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
+        return run_scenario(
+            half.scenario,
+            out,
+            pacer=pacer,
+            deadlines=lambda: _lateness(arrangement.lateness),
+            figure=figure,
+            made=made,
+            link=lambda: _facts(own, grid, half.peers, remotes, door),
+            ended=arrangement.ended,
+        )
+    finally:
+        door.close()
+        for link in sockets:
+            link.close()
+
+
+def scenario_stations(half: Half) -> list[str]:
+    """The stations that talk to each other, this one included."""
+    return [half.own, *(peer.name for peer in half.peers)]
+
+
+def _addresses(half: Half, given: Mapping[str, Address]) -> list[Address]:
+    """The address of every peer; one peer needs no name."""
+    names = [peer.name for peer in half.peers]
+    if set(given) == {""} and len(names) == 1:
+        return [given[""]]
+    for name in given:
+        if name not in names:
+            what = f"'{name}' is no peer of {half.own}" if name else "--peer needs a station's name"
+            raise InputError(f"{what}.{did_you_mean(name, names)}")
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise InputError(
+            f"{half.own} exchanges values with {', '.join(names)}; give the address of "
+            f"{missing[0]} with --peer {missing[0]}=host:port"
+        )
+    return [given[name] for name in names]
+
+
+def _remote(
+    peer: Peer,
+    transport: UdpTransport,
+    forward: Callable[[memoryview, int], None],
+    grid: Grid,
+    *,
+    follows: bool,
+) -> RemoteStation:
+    link = PeerLink(
+        sends=peer.sends,
+        receives=peer.receives,
+        settings=peer.settings,
+        transport=transport,
+        forward=forward,
+    )
+    free = any(setting.clock is ClockMode.FREE for setting in peer.settings)
+    return RemoteStation(
+        link,
+        grid=grid,
+        now=time.monotonic_ns,
+        leads=not follows,
+        follower=PhaseFollower() if follows and not free else None,
+    )
+
+
+def _lateness(lateness: Lateness) -> dict[str, Any]:
+    summary = getattr(lateness, "summary", None)
+    if summary is not None:
+        return dict(summary())
+    worst = getattr(lateness, "worst", 0) * 1e-9
+    return {"misses": lateness.misses, "slipped_periods": lateness.slipped, "worst": worst}
+
+
+def _facts(
+    own: str,
+    grid: Grid,
+    peers: Sequence[Peer],
+    remotes: Sequence[RemoteStation],
+    door: Door,
+) -> dict[str, Any]:
+    """What goes into the manifest; never a key."""
+    found: dict[str, Any] = {
+        "station": own,
+        "first_tick": grid.first_tick,
+        "epoch": grid.epoch,
+        "sessions": door.sessions,
+        "peers": {},
+    }
+    for peer, remote in zip(peers, remotes, strict=True):
+        link, clock = remote.link, remote.link.clock
+        transport = link.transport
+        found["peers"][peer.name] = {
+            "component": peer.component,
+            "sent": link.sent,
+            "refused": getattr(transport, "refused", 0),
+            "unsent": getattr(transport, "unsent", 0),
+            "foreign": link.foreign,
+            "flood": link.flood,
+            "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
+            "clock_skew": clock.skew if clock.ready else None,
+            "round_trip": clock.round_trip if clock.ready else None,
+            "streams": {
+                item.receiver.bundle.channel: {
+                    **{fate.name.lower(): int(item.receiver.counts[fate]) for fate in Fate},
+                    "overdue": item.receiver.overdue,
+                    "losses": item.weight.losses,
+                }
+                for item in link.incoming
+            },
+        }
+    return found

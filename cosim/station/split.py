@@ -1,0 +1,273 @@
+"""From a scenario of several stations to what one of them runs and what it sends and receives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from fractions import Fraction
+
+from cosim.errors import InputError
+from cosim.link.bundle import Bundle, Field
+from cosim.link.settings import LinkSettings
+from cosim.master.assemble import Assembly
+from cosim.master.interface import Element
+from cosim.master.wiring import Bundle as WiredBundle
+from cosim.master.wiring import Held, PacketFact, Signal, Wire
+from cosim.scenario import Channel, Component, Connection, Direction, Kind, Record, Reference
+from cosim.scenario import Scenario as FullScenario
+from cosim.suggest import did_you_mean
+
+PEER_FACTS = {"peer_weight": "weight", "peer_valid": "valid", "peer_age": "age"}
+_PEER_GROUP = re.compile(r"(?:peer|client)_(\d+)\.")
+
+
+@dataclass(slots=True)
+class Peer:
+    """What goes to and comes from one other station; lists are in the order of the streams."""
+
+    name: str
+    component: str
+    """Name of the remote-station component that stands for it."""
+    sends: list[Bundle] = field(default_factory=list[Bundle])
+    receives: list[Bundle] = field(default_factory=list[Bundle])
+    settings: list[LinkSettings] = field(default_factory=list[LinkSettings])
+    """One for each incoming stream."""
+
+
+@dataclass(frozen=True, slots=True)
+class Half:
+    """One station's part: a scenario in which every other station is one component."""
+
+    own: str
+    scenario: FullScenario
+    peers: tuple[Peer, ...]
+    dropped: tuple[str, ...]
+    """Connections and records that only make sense where all stations run together."""
+
+
+def split(assembly: Assembly, own: str) -> Half:
+    """The part of station ``own``.
+
+    Raises:
+        InputError: there is no such station, nothing crosses to it, or a setting is wrong.
+    """
+    scenario = assembly.scenario
+    if own not in scenario.stations:
+        raise InputError(
+            f"{scenario.name} has no station '{own}'.{did_you_mean(own, scenario.stations)}"
+        )
+    return _Splitter(assembly, own).split()
+
+
+class _Splitter:
+    def __init__(self, assembly: Assembly, own: str) -> None:
+        self.assembly, self.own = assembly, own
+        self.scenario = assembly.scenario
+        self.peers: dict[str, Peer] = {}
+        self.connections: list[Connection] = []
+        self.channels: dict[str, Channel] = {}
+        self.dropped: list[str] = []
+
+    def split(self) -> Half:
+        for number, bundle in enumerate(self.assembly.wiring.bundles):
+            if bundle.channel is not None:
+                self._cross(number, bundle)
+        if not self.peers:
+            raise InputError(
+                f"nothing crosses a channel to or from station {self.own} in "
+                f"{self.scenario.name}; run it with 'cohaptic run'"
+            )
+        self._keep_own_connections()
+        kept = self._components()
+        scenario = replace(
+            self.scenario,
+            components=kept,
+            channels=self.channels,
+            connections=tuple(self.connections),
+            record=tuple(self._records(kept)),
+            expect={
+                name: wanted
+                for name, wanted in self.scenario.expect.items()
+                if name.partition(".")[0] in kept
+            },
+        )
+        return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
+
+    def _components(self) -> dict[str, Component]:
+        own = {n: c for n, c in self.scenario.components.items() if c.station == self.own}
+        for peer in self.peers.values():
+            adds = any(setting.add_impairments for setting in peer.settings)
+            own[peer.component] = Component(
+                name=peer.component,
+                kind=Kind.PYTHON,
+                source="cosim.link.remote:RemoteStation",
+                # With the simulated impairments on top, the channel still lies in between.
+                station=peer.name if adds else self.own,
+                rate_name=None,
+                rate=self.scenario.base_rate,
+                period=1,
+            )
+        return own
+
+    def _peer(self, name: str) -> Peer:
+        if name not in self.peers:
+            component = f"link_{name}"
+            while component in self.scenario.components:
+                component += "_"
+            self.peers[name] = Peer(name, component)
+        return self.peers[name]
+
+    def _cross(self, number: int, bundle: WiredBundle) -> None:
+        assert bundle.channel is not None
+        channel = self.scenario.channels[bundle.channel]
+        ends = channel.between if bundle.way == "forward" else channel.between[::-1]
+        source, target = ends
+        if self.own not in ends:
+            return
+        fields = {
+            self._element(entry.source): self._field(entry.source)
+            for entry in bundle.entries
+            if isinstance(entry.source, Signal)
+        }
+        peer = self._peer(target if source == self.own else source)
+        list_ = peer.sends if source == self.own else peer.receives
+        name = bundle.name.rsplit(".", 1)[0] if " at " not in bundle.name else bundle.name
+        linked = Bundle(
+            source=source,
+            target=target,
+            channel=_identifier(name),
+            fields=tuple(fields.values()),
+            period=bundle.period,
+            tick=Fraction(1) / self.scenario.base_rate,
+            stream=len(list_),
+        )
+        list_.append(linked)
+        settings = LinkSettings.read(
+            {**self.scenario.link, **channel.options}, f"channel {channel.name}"
+        )
+        via = channel.name if settings.add_impairments else None
+        if via is not None:
+            self._keep_impairments(channel)
+        if source == self.own:
+            for signal in dict.fromkeys(e.source for e in bundle.entries):
+                assert isinstance(signal, Signal)
+                self._connect(
+                    _reference(signal.component, self._path(signal)),
+                    _reference(peer.component, self._element(signal)),
+                    via,
+                )
+            return
+        peer.settings.append(settings)
+        wires = [
+            wire
+            for wire in self.assembly.wiring.wires
+            if isinstance(wire.source, Held) and wire.source.bundle == number
+        ]
+        for wire in wires:
+            assert isinstance(wire.source, Held)
+            origin = bundle.entries[wire.source.index].source
+            assert isinstance(origin, Signal)
+            self._connect(
+                _reference(peer.component, self._element(origin)),
+                _reference(wire.target.component, self._path(wire.target)),
+                via,
+            )
+        self._drive_peer_inputs(number, linked, peer, wires, via)
+
+    def _drive_peer_inputs(
+        self,
+        number: int,
+        bundle: Bundle,
+        peer: Peer,
+        wires: Sequence[Wire],
+        via: str | None,
+    ) -> None:
+        """Connect weight, validity and age to the inputs that wait for them, and packet facts."""
+        driven = self.assembly.wiring.connection_of
+        slots = dict.fromkeys(
+            (wire.target.component, int(match[1]) if match else 1)
+            for wire in wires
+            for match in [_PEER_GROUP.match(wire.target.variable)]
+        )
+        for component, place in slots:
+            variables = self.assembly.participants[component].interface.elements
+            for variable, fact in PEER_FACTS.items():
+                path = f"{variable}[{place}]"
+                if path not in variables:
+                    continue
+                element = variables[path]
+                if Signal(component, element.variable, element.index) not in driven:
+                    self._connect(
+                        _reference(peer.component, f"{bundle.channel}.{fact}"),
+                        _reference(component, path),
+                        via,
+                    )
+        for wire in self.assembly.wiring.wires:
+            fact = wire.source
+            if isinstance(fact, PacketFact) and fact.bundle == number:
+                self._connect(
+                    _reference(peer.component, f"{bundle.channel}.{fact.name}"),
+                    _reference(wire.target.component, self._path(wire.target)),
+                    via,
+                )
+
+    def _keep_own_connections(self) -> None:
+        for connection in self.scenario.connections:
+            there = self.scenario.components.get(connection.source.component)
+            here = self.scenario.components[connection.target.component]
+            if there is not None and there.station == here.station == self.own:
+                self.connections.append(connection)
+
+    def _keep_impairments(self, channel: Channel) -> None:
+        """Keep what the simulated channel does to values on their way to this station."""
+        ideal = Direction()
+        forward, backward = channel.forward, channel.backward
+        if channel.between[0] == self.own:
+            forward = ideal
+        else:
+            backward = ideal
+        self.channels[channel.name] = replace(channel, forward=forward, backward=backward)
+
+    def _connect(self, source: Reference, target: Reference, via: str | None) -> None:
+        self.connections.append(Connection(source=source, target=target, via=via))
+
+    def _records(self, kept: dict[str, Component]) -> Iterator[Record]:
+        others = [name for name in self.scenario.components if name not in kept]
+        for record in self.scenario.record:
+            component, _, _ = record.pattern.partition(".")
+            here = [name for name in kept if fnmatchcase(name, component)]
+            there = [name for name in others if fnmatchcase(name, component)]
+            if here or not (there or component in self.scenario.channels):
+                yield record
+            else:
+                self.dropped.append(f"record {record.pattern}")
+        for peer in self.peers.values():
+            facts = [
+                f"{bundle.channel}.{fact}"
+                for bundle in peer.receives
+                for fact in ("weight", "valid", "age", "state", "sequence")
+            ]
+            for fact in [*facts, "round_trip", "clock_offset", "clock_skew", "phase"]:
+                yield Record(pattern=f"{peer.component}.{fact}")
+
+    def _field(self, signal: Signal) -> Field:
+        variable = self.assembly.participants[signal.component].interface.variables[signal.variable]
+        return replace(Field.of(variable, self._element(signal)), size=1)
+
+    def _element(self, signal: Signal) -> str:
+        return f"{signal.component}.{self._path(signal)}"
+
+    def _path(self, signal: Signal) -> str:
+        interface = self.assembly.participants[signal.component].interface
+        return interface.element_name(Element(signal.variable, signal.index))
+
+
+def _reference(component: str, path: str) -> Reference:
+    return Reference(component=component, path=path)
+
+
+def _identifier(name: str) -> str:
+    """A channel's name that can be part of a variable's."""
+    return re.sub(r"\W+", "_", name)

@@ -1,0 +1,144 @@
+"""One station's half of a scenario: its own components, and a link in place of everything else."""
+
+from __future__ import annotations
+
+import pytest
+
+from cosim.errors import InputError
+from cosim.link.contract import Contract
+from cosim.link.settings import LinkSettings
+from cosim.link.transport import Address
+from cosim.master.assemble import put_together
+from cosim.scenario import load
+from cosim.station.contract import contract_of
+from cosim.station.run import _addresses
+from cosim.station.split import split
+
+
+@pytest.fixture(scope="module", name="box")
+def _box():
+    return put_together(load("two_users_box"))
+
+
+@pytest.fixture(scope="module", name="centralized")
+def _centralized():
+    return put_together(load("two_users_box_centralized"))
+
+
+def contract(assembly, own: str) -> Contract:
+    half = split(assembly, own)
+    return Contract(contract_of(assembly, half, half.peers[0]))
+
+
+def test_each_half_keeps_its_own_components_and_connections(box) -> None:
+    for own, other in (("station_a", "station_b"), ("station_b", "station_a")):
+        half = split(box, own)
+        assert [peer.name for peer in half.peers] == [other]
+        stations = {c.station for c in half.scenario.components.values()}
+        assert stations == {own}
+        assert f"link_{other}" in half.scenario.components
+        inner = [c for c in half.scenario.connections if f"link_{other}" not in str(c)]
+        assert len(inner) == 10
+        assert half.scenario.channels == {}
+
+
+def test_what_one_sends_the_other_receives_in_the_same_order(box, centralized) -> None:
+    for assembly in (box, centralized):
+        a, b = (split(assembly, own) for own in assembly.scenario.stations)
+        for here, there in ((a, b), (b, a)):
+            sent = [bundle.describe() for bundle in here.peers[0].sends]
+            received = [bundle.describe() for bundle in there.peers[0].receives]
+            assert sent == received
+            assert sum(bundle.size for bundle in here.peers[0].sends) > 10
+
+
+def test_weight_validity_and_age_drive_the_workstations_inputs(box, centralized) -> None:
+    half = split(box, "station_a")
+    driven = {str(c) for c in half.scenario.connections}
+    assert {
+        "link_station_b.lan.weight -> vr_a.peer_weight[1]",
+        "link_station_b.lan.valid -> vr_a.peer_valid[1]",
+        "link_station_b.lan.age -> vr_a.peer_age[1]",
+    } <= driven
+    for own in centralized.scenario.stations:
+        targets = [str(c.target) for c in split(centralized, own).scenario.connections]
+        assert any(target.endswith("peer_weight[1]") for target in targets)
+
+
+def test_the_two_halves_agree_on_the_contract(box) -> None:
+    assert contract(box, "station_a").hash == contract(box, "station_b").hash
+
+
+@pytest.mark.parametrize(
+    ("change", "agree"),
+    [
+        ("components.vr_a.parameters.local_normal_stiffness=801", False),
+        ("components.vr_b.parameters.coupling_stiffness=70", False),
+        ("rates.network=64 Hz", False),
+        ("components.vr_a.parameters.finger_1.base_x=-0.08", True),
+        ("components.operator_a1.parameters.via_count=4", True),
+        ("channels.lan.round_trip_delay=3", True),
+        ("duration=3 s", True),
+    ],
+)
+def test_what_matters_to_the_peer_is_in_the_contract_and_nothing_else(box, change, agree) -> None:
+    other = put_together(load("two_users_box", (), (change,)))
+    mine, theirs = contract(box, "station_a"), contract(other, "station_b")
+    assert (mine.hash == theirs.hash) is agree
+    assert bool(mine.difference(theirs.entries, "a", "b")) is not agree
+
+
+def test_with_impairments_on_top_the_channel_stays_for_what_comes_in(box) -> None:
+    sets = ("channels.lan.link={add_impairments: true}",)
+    half = split(put_together(load("two_users_box", (), sets)), "station_b")
+    channel = half.scenario.channels["lan"]
+    assert channel.direction("station_a", "station_b").delay.ticks == 8
+    assert channel.direction("station_b", "station_a").delay.ticks == 0
+    crossing = [c for c in half.scenario.connections if "link_station_a" in str(c)]
+    assert {c.via for c in crossing} == {"lan"}
+
+
+def test_records_of_other_stations_are_left_out_and_said(box) -> None:
+    half = split(box, "station_a")
+    patterns = [record.pattern for record in half.scenario.record]
+    assert not any(pattern.startswith(("vr_b", "finger_b", "lan")) for pattern in patterns)
+    assert "link_station_b.lan.weight" in patterns
+    assert all(text.startswith("record ") for text in half.dropped)
+
+
+def test_mistakes_are_sentences(box) -> None:
+    with pytest.raises(InputError, match=r"no station 'station_c'\. Did you mean"):
+        split(box, "station_c")
+    single = put_together(load("single_user"))
+    with pytest.raises(InputError, match="nothing crosses a channel"):
+        split(single, single.scenario.stations[0])
+    half = split(box, "station_a")
+    with pytest.raises(InputError, match="--peer station_b=host:port"):
+        _addresses(half, {})
+    with pytest.raises(InputError, match=r"'station_d' is no peer.*Did you mean station_b"):
+        _addresses(half, {"station_d": Address("127.0.0.1", 1)})
+    address = Address("127.0.0.1", 1)
+    assert _addresses(half, {"": address}) == _addresses(half, {"station_b": address}) == [address]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"holdsamples": 4}, "no link setting holdsamples. Did you mean hold_samples?"),
+        ({"release": "soon"}, "release cannot be 'soon'"),
+        ({"delay": 0}, "delay cannot be 0: it is a whole number, 1 or more"),
+        ({"fade": "-1 s"}, "fade cannot be '-1 s'"),
+        ({"add_impairments": "yes"}, "it is true or false"),
+    ],
+)
+def test_link_settings_are_checked(options, message) -> None:
+    with pytest.raises(InputError) as caught:
+        LinkSettings.read(options, "channel lan")
+    assert message in str(caught.value)
+
+
+def test_link_settings_are_read() -> None:
+    options = {"release": "arrival", "delay": 2, "fade": "20 ms", "resume": 0.5, "clock": "free"}
+    settings = LinkSettings.read(options, "channel lan")
+    assert (settings.release, settings.delay, settings.clock) == ("arrival", 2, "free")
+    assert (settings.loss.fade, settings.loss.resume) == (0.02, 0.5)
