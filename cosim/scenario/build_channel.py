@@ -100,15 +100,14 @@ def _delays(form: ChannelForm, timebase: Timebase, period: int) -> tuple[Delay, 
         return each, each
     total = timebase.delay(form.round_trip_delay or NO_DELAY, period)
     if total.samples is not None:
-        longer, shorter = (total.samples + 1) // 2, total.samples // 2
+        there, back = (total.samples + 1) // 2, total.samples // 2
         return (
-            Delay(ticks=longer * period, samples=longer),
-            Delay(ticks=shorter * period, samples=shorter),
+            Delay(ticks=there * period, samples=there),
+            Delay(ticks=back * period, samples=back),
         )
-    return (
-        Delay(ticks=(total.ticks + 1) // 2, samples=None),
-        Delay(ticks=total.ticks // 2, samples=None),
-    )
+    halves = ((total.ticks + 1) // 2, total.ticks // 2)
+    longer, shorter = (Delay(ticks=t, samples=None if t else 0) for t in halves)
+    return longer, shorter
 
 
 def _jitter(written: Any, timebase: Timebase, period: int) -> Jitter:
@@ -122,6 +121,8 @@ def _jitter(written: Any, timebase: Timebase, period: int) -> Jitter:
             total = fsum(weights)
             if total <= 0.0:
                 raise ChannelProblem("jitter", "the weights are all zero.")
+            if len(weights) == 1 or ticks == 0:
+                return Jitter()
             scaled = abs(total - 1.0) > 1e-9
             return Jitter(step=ticks, weights=tuple(w / total if scaled else w for w in weights))
         case _:

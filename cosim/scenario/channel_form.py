@@ -6,7 +6,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from cosim.scenario.fields import Delay, Name, Packet, Probability, Rate, Seconds, problem
+from cosim.scenario.fields import Delay, Name, Packet, Probability, Rate, Span, problem
 from cosim.scenario.merge import DELAY_FORMS, TRACED
 
 
@@ -54,7 +54,7 @@ class GilbertElliottForm(Form):
 class RmsJitter(Form):
     """Extra delay of whole base ticks with this standard deviation."""
 
-    rms: Seconds
+    rms: Span
 
 
 class WeightedJitter(Form):

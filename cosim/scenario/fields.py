@@ -72,6 +72,13 @@ def _to_seconds(value: Any) -> Fraction:
     return number
 
 
+def _to_span(value: Any) -> Fraction:
+    number = _number(value, "s", "time, such as 0, '0.49 ms'")
+    if not 0 <= number <= MAX_SECONDS:
+        raise problem(f"{value} is out of range: at least 0 s and at most {MAX_SECONDS} s.")
+    return number
+
+
 def _to_hertz(value: Any) -> Fraction:
     number = _number(value, "Hz", "rate, such as 1024, '128 Hz' or '8192/3 Hz'")
     if not 0 < number <= MAX_RATE:
@@ -175,6 +182,15 @@ Seconds = Annotated[
     Fraction,
     _plain(_to_seconds),
     _schema(_POSITIVE, _text(f"({_SECONDS})?"), description="A time: seconds, or with a unit."),
+]
+Span = Annotated[
+    Fraction,
+    _plain(_to_span),
+    _schema(
+        {"type": "number", "minimum": 0},
+        _text(f"({_SECONDS})?"),
+        description="A time of 0 or more: seconds, or with a unit.",
+    ),
 ]
 Hertz = Annotated[
     Fraction,

@@ -40,7 +40,7 @@ def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     builder = _Builder(shown, has_lines)
-    yaml: Any = YAML(typ="rt", pure=True)
+    yaml: Any = YAML(typ="safe", pure=True)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # an anchor's name may be used again
@@ -106,13 +106,14 @@ class _Builder:
             if key.id != "scalar":
                 raise InputError("a key must be a plain name.", place)
             if str(key.tag).endswith(":merge"):
-                for name, member in self._merged(value, place).items():
-                    inherited.setdefault(name, member)
+                for inner, member in self._merged(value, place).items():
+                    inherited.setdefault(inner, member)
                 continue
-            if key.value in members:
-                first = members[key.value].key_place
-                raise InputError(f"'{key.value}' is here twice; it is first at {first}.", place)
-            members[key.value] = self.build(value, place)
+            name = _joined(key.value, place)
+            if name in members:
+                first = members[name].key_place
+                raise InputError(f"'{name}' is here twice; it is first at {first}.", place)
+            members[name] = self.build(value, place)
         return {**inherited, **members}
 
     def _merged(self, value: Any, place: Location) -> dict[str, Node]:
@@ -138,8 +139,18 @@ def _scalar(tag: str, text: str, place: Location) -> Scalar:
         except ValueError:
             raise InputError(f"'{text[:40]}' is not a number that fits.", place) from None
     if kind in {"str", "timestamp"}:
-        return text
+        return _joined(text, place)
     raise InputError(f"the tag '{tag}' has no meaning in a scenario; leave it out.", place)
+
+
+def _joined(text: str, place: Location) -> str:
+    """Text whose escaped surrogate pairs (as JSON writes them) are the characters they mean."""
+    if text.isascii() or not any("\ud800" <= character <= "\udfff" for character in text):
+        return text
+    try:
+        return text.encode("utf-16", "surrogatepass").decode("utf-16")
+    except UnicodeDecodeError:
+        raise InputError("half of a surrogate pair is no character.", place) from None
 
 
 def _integer(text: str) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from io import StringIO
 from typing import Any, cast
 
 from cosim.scenario.build_channel import uniform
@@ -23,18 +22,12 @@ from cosim.scenario.model import (
     Scenario,
 )
 from cosim.scenario.quantity import format_exact
+from cosim.scenario.writer import write_yaml
 
 
 def to_yaml(scenario: Scenario) -> str:
     """The whole scenario as YAML, every default and override in it."""
-    from ruamel.yaml import YAML
-
-    yaml: Any = YAML(typ="rt", pure=True)
-    yaml.default_flow_style = False
-    yaml.width = 4096
-    text = StringIO()
-    yaml.dump(to_document(scenario), text)
-    return text.getvalue()
+    return write_yaml(to_document(scenario))
 
 
 def to_document(scenario: Scenario) -> dict[str, Any]:

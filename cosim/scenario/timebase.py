@@ -40,7 +40,7 @@ class Timebase:
         if lag.unit == "samples":
             return Delay(ticks=int(lag.amount) * period, samples=int(lag.amount))
         ticks = int(lag.amount) if lag.unit == "ticks" else self.ticks(lag.amount)
-        return Delay(ticks=ticks, samples=None)
+        return Delay(ticks=ticks, samples=None if ticks else 0)
 
 
 def common_rate(rates: list[Fraction]) -> Fraction:
