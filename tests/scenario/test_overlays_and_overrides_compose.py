@@ -16,14 +16,22 @@ from cosim.errors import InputError, Location
 from cosim.scenario import Kind, Scenario
 from cosim.scenario.merge import merge, normalise
 from cosim.scenario.override import apply_override
-from cosim.scenario.reader import parse_yaml
 from cosim.scenario.source import Node
 
 Load = Callable[..., Scenario]
 
 
 def node(document: Any) -> Node:
-    return normalise(parse_yaml(json.dumps(document), "d.yaml"))
+    """The tree of plain data, as if it stood in a file."""
+
+    def tree(value: Any) -> Node:
+        if isinstance(value, dict):
+            value = {key: tree(member) for key, member in value.items()}
+        elif isinstance(value, list):
+            value = [tree(item) for item in value]
+        return Node(value, Location("d.yaml", 1, 1))
+
+    return normalise(tree(document))
 
 
 NAMES = st.sampled_from(["alpha", "beta", "gamma"])
