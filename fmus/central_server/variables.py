@@ -8,8 +8,14 @@ from fmus.table import Group, Model
 
 _CLIENTS = ("client_?.*", "peer_weight", "peer_valid", "peer_age")
 
-_CLIENT = workstation.packet_inputs(motion=True, box=False, force=False)
-_TO_CLIENT = workstation.packet_outputs(motion=False, box=True, force=_CLIENTS)
+_CLIENT = (
+    *workstation.packet_inputs(motion=True, box=False, force=False),
+    *workstation.wave_members(sent=False),
+)
+_TO_CLIENT = (
+    *workstation.packet_outputs(motion=False, box=True, force=_CLIENTS),
+    *workstation.wave_members(sent=True),
+)
 
 MODEL = Model(
     name="central_server",
@@ -17,6 +23,7 @@ MODEL = Model(
     "at the control rate and its clients' held between packets, and sends their forces back",
     variables=(
         *workstation.station_parameters(),
+        *workstation.wave_parameters(),
         *environment.coupler_parameters(
             environment.TABLE_8_1,
             environment.REMOTE_8_2,
@@ -50,6 +57,7 @@ MODEL = Model(
         "packet.c",
         "passivity.c",
         "velocity_estimator.c",
+        "wave.c",
         "five_bar.c",
     ),
     terminals=(

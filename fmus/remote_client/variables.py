@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from fmus.shared import workstation
-from fmus.shared.workstation import POSE, VELOCITY, planar, real
+from fmus.shared.workstation import ALL_FINGER_INPUTS, POSE, VELOCITY, planar, real
 from fmus.table import Group, Model
 
-_UP = workstation.packet_outputs(motion=True, box=False)
-_DOWN = workstation.packet_inputs(motion=False, box=True, force=True)
+_UP = (
+    *workstation.packet_outputs(motion=True, box=False),
+    *workstation.wave_members(sent=True, depends_on=ALL_FINGER_INPUTS),
+)
+_DOWN = (
+    *workstation.packet_inputs(motion=False, box=True, force=True),
+    *workstation.wave_members(sent=False),
+)
 _BOX = ("down.box_*",)
 
 MODEL = Model(
@@ -16,6 +22,7 @@ MODEL = Model(
     "and renders the forces that come back, held between packets",
     variables=(
         *workstation.station_parameters(peers=False),
+        *workstation.wave_parameters(),
         real(
             "local_damping",
             "Damping of the own fingers that replaces the received force as the weight of the "
@@ -24,7 +31,15 @@ MODEL = Model(
             3.0,
             minimum=0.0,
         ),
-        workstation.finger_group(("down.finger_?_force", "peer_weight", "peer_valid")),
+        workstation.finger_group(
+            (
+                "down.finger_?_force",
+                "down.finger_?_wave",
+                "down.source_tick",
+                "peer_weight",
+                "peer_valid",
+            )
+        ),
         *workstation.packet_counters(),
         *workstation.peer_inputs(peers=1),
         Group("down", _DOWN),
@@ -38,6 +53,7 @@ MODEL = Model(
         "packet.c",
         "passivity.c",
         "velocity_estimator.c",
+        "wave.c",
         "five_bar.c",
     ),
     terminals=(

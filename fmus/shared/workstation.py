@@ -53,6 +53,19 @@ PASSIVITY = Enumeration(
     ),
 )
 
+FORCE_CHANNEL = Enumeration(
+    name="ForceChannel",
+    description="What carries hand and force between a client and its server",
+    items=(
+        Item(name="plain", value=0, description="Position and velocity up, force down (thesis)"),
+        Item(
+            name="wave",
+            value=1,
+            description="Wave variables both ways (Niemeyer and Slotine, 1991)",
+        ),
+    ),
+)
+
 FINGER_INPUTS = ("{group}.joint_angle", "{group}.status", "{group}.sample_age")
 """What everything of a finger depends on directly."""
 
@@ -200,6 +213,33 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
             minimum=0.0,
         ),
     )
+
+
+def wave_parameters() -> tuple[Variable, ...]:
+    """How a client and its server exchange motion and force; both must agree."""
+    return (
+        choice("force_channel", "What carries hand and force; as at the other end", FORCE_CHANNEL),
+        real(
+            "wave_impedance",
+            "Impedance b of the wave channel, as at the other end: small feels light in free "
+            "motion, large feels hard in contact (chosen)",
+            "N.s/m",
+            10.0,
+            minimum=0.0,
+        ),
+    )
+
+
+def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+    """The waves of a packet, as outputs or as inputs."""
+    members: list[Variable] = []
+    for number in range(1, FINGERS + 1):
+        name, text = f"finger_{number}_wave", f"Integral of the wave of finger {number}"
+        if sent:
+            members.append(output(name, text, "N.s", depends_on, size=2))
+        else:
+            members.append(signal(name, text, "N.s", size=2))
+    return tuple(members)
 
 
 def deadband_parameters() -> tuple[Variable, ...]:

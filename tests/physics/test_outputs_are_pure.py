@@ -85,11 +85,23 @@ def test_a_restored_state_repeats_the_run(model: str) -> None:
     assert run() == first
 
 
-@pytest.mark.parametrize("model", MODELS)
-def test_dependencies_name_every_input_that_reaches_an_output(model: str) -> None:
+@pytest.mark.parametrize(
+    ("model", "options"),
+    [
+        *((model, {}) for model in MODELS),
+        ("central_server", {"force_channel": 1}),
+        ("remote_client", {"force_channel": 1}),
+        ("distributed_workstation", {"deadband": 0.1, "passivity": 1, "network_ticks": 2}),
+        ("central_server", {"environment": 1, "deadband": 0.1, "network_ticks": 1}),
+    ],
+    ids=str,
+)
+def test_dependencies_name_every_input_that_reaches_an_output(
+    model: str, options: dict[str, float]
+) -> None:
     """Change one input at a time: only outputs that declare it may change."""
     rng = np.random.default_rng(11)
-    instance = Instance(model)
+    instance = Instance(model, **options)
     if model in {"distributed_workstation", "central_server"}:
         instance.set(
             {"initial_box_pose.x": 0.04, "initial_box_pose.y": 0.2, "predictor": 1, "peers": 3}
