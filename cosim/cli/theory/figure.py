@@ -27,7 +27,16 @@ from cosim.theory.timing import Timing
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(number: str, out: Path, points: int, as_json: bool) -> None:
     """Draw one of the figures 5.1 to 5.4, 6.2, 6.4 and 6.5 of the thesis."""
-    result: dict[str, Any] = {"figure": number, "out": str(out)}
+    result = {"figure": number, "out": str(out), **draw(number, out, points)}
+    click.echo(json.dumps(result) if as_json else f"Figure {number} written to {out}")
+
+
+def draw(number: str, out: Path, points: int) -> dict[str, Any]:
+    """Draw a figure into a file, and say what is in it.
+
+    Raises:
+        InputError: where the thesis has no such figure here.
+    """
     if number in chapter_5.FIGURES:
         from cosim.report.theory_figures import draw_map
 
@@ -37,10 +46,13 @@ def command(number: str, out: Path, points: int, as_json: bool) -> None:
         fixed = ", ".join(f"{name} = {value:g} N/m" for name, value in shown.fixed.items())
         title = f"Figure {number}: stability of the {shown.architecture} loop"
         draw_map(cells, (x, y), chapter_5.DELAYS, f"{title}\n{fixed}" if fixed else title, out)
-        result["stable_share"] = {
-            f"n={delay}": float(cells[place].mean()) for place, delay in enumerate(chapter_5.DELAYS)
+        return {
+            "stable_share": {
+                f"n={delay}": float(cells[place].mean())
+                for place, delay in enumerate(chapter_5.DELAYS)
+            }
         }
-    elif number in chapter_6.FIGURES:
+    if number in chapter_6.FIGURES:
         from cosim.report.theory_figures import draw_admittance
 
         figure = chapter_6.FIGURES[number]
@@ -48,8 +60,6 @@ def command(number: str, out: Path, points: int, as_json: bool) -> None:
         responses = figure.responses(chapter_6.frequencies(points))
         title = f"Figure {number}: {figure.title}, n = 1"
         draw_admittance({str(felt): r for felt, r in responses.items()}, unit, title, out)
-        result["curves"] = list(figure.curves)
-    else:
-        known = [*chapter_5.FIGURES, *chapter_6.FIGURES]
-        raise InputError(f"There is no figure {number!r}.{did_you_mean(number, known)}")
-    click.echo(json.dumps(result) if as_json else f"Figure {number} written to {out}")
+        return {"curves": list(figure.curves)}
+    known = [*chapter_5.FIGURES, *chapter_6.FIGURES]
+    raise InputError(f"There is no figure {number!r}.{did_you_mean(number, known)}")

@@ -1,0 +1,35 @@
+"""``cohaptic theory page``: the page that compares the thesis with this library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write it here, with its figures.",
+)
+def command(out: Path | None) -> None:
+    """Print docs/thesis.md: chapters 3 to 6, printed and computed.
+
+    With --out the figures go to images/theory beside the page.
+    """
+    from cosim.theory.thesis_page import thesis_page
+
+    page = thesis_page()
+    if out is None:
+        click.echo(page, nl=False)
+        return
+    from cosim.cli.theory.figure import draw
+    from cosim.theory import chapter_5, chapter_6
+
+    folder = out.parent / "images" / "theory"
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in (*chapter_5.FIGURES, *chapter_6.FIGURES):
+        draw(number, folder / f"figure_{number.replace('.', '_')}.png", 201)
+    out.write_text(page, encoding="utf-8")
+    click.echo(f"{out} written, figures in {folder}")
