@@ -58,30 +58,50 @@ static WallPoint wall_point(const World *world, const WorldState *state, Rotatio
 
 static int wall_points(const World *world) { return world->soft ? LATTICE_OUTLINE : CORNERS; }
 
-static void walls(const World *world, const WorldState *state, Rotation rotation,
-                  WorldForces *forces)
+/* The next contact of a point with a wall, and the force on the point (world). */
+static Contact wall_contact(const Wall *wall, const Contact *before, const WallPoint *point,
+                            double *depth, Vector *force)
+{
+    const Vector tangent = left_of(wall->normal);
+    const Vector arm = minus(point->position, wall->point);
+    *depth = -dot(arm, wall->normal);
+    const Touch touch = {*depth > 0.0, 1, *depth, dot(arm, tangent),
+                         dot(point->velocity, wall->normal), dot(point->velocity, tangent)};
+    ContactForce along;
+    const Contact next = contact_next(before, &wall->surface, &touch, &NO_CANCELLATION, &along);
+    *force = plus(times(along.normal, wall->normal), times(along.tangential, tangent));
+    return next;
+}
+
+static void wall_forces(const World *world, const WorldState *state, Rotation rotation,
+                        WorldForces *forces)
 {
     const Vector centre = {state->box.pose.x, state->box.pose.y};
-    for (int w = 0; w < WALLS; w++) {
-        const Wall *wall = &world->wall[w];
-        if (!wall->enabled) continue;
-        const Vector tangent = left_of(wall->normal);
-        for (int i = 0; i < wall_points(world); i++) {
+    for (int w = 0; w < WALLS; w++)
+        for (int i = 0; world->wall[w].enabled && i < wall_points(world); i++) {
             const WallPoint point = wall_point(world, state, rotation, i);
-            const Vector arm = minus(point.position, wall->point);
-            const double depth = -dot(arm, wall->normal);
-            const Touch touch = {depth > 0.0, 1, depth, dot(arm, tangent),
-                                 dot(point.velocity, wall->normal), dot(point.velocity, tangent)};
-            ContactForce along;
-            forces->wall_contact[w][i] = contact_next(&state->wall[w][i], &wall->surface, &touch,
-                                                      &NO_CANCELLATION, &along);
-            if (!touch.touching) continue;
-            const Vector force = plus(times(along.normal, wall->normal), times(along.tangential, tangent));
+            double depth;
+            Vector force;
+            wall_contact(&world->wall[w], &state->wall[w][i], &point, &depth, &force);
+            if (!(depth > 0.0)) continue;
             if (world->soft) forces->node[point.node] = plus(forces->node[point.node], force);
-            forces->from_walls = planar_sum(forces->from_walls, wrench_at(force, point.position, centre));
+            forces->from_walls =
+                planar_sum(forces->from_walls, wrench_at(force, point.position, centre));
             forces->wall_penetration = fmax(forces->wall_penetration, depth);
         }
-    }
+}
+
+static void commit_walls(const World *world, WorldState *state)
+{
+    const Rotation rotation = {cos(state->box.pose.theta), sin(state->box.pose.theta)};
+    for (int w = 0; w < WALLS; w++)
+        for (int i = 0; world->wall[w].enabled && i < wall_points(world); i++) {
+            const WallPoint point = wall_point(world, state, rotation, i);
+            double depth;
+            Vector force;
+            state->wall[w][i] =
+                wall_contact(&world->wall[w], &state->wall[w][i], &point, &depth, &force);
+        }
 }
 
 static double clamp(double value, double limit) { return fmax(-limit, fmin(limit, value)); }
@@ -146,7 +166,7 @@ void world_forces(const World *world, const WorldState *state, const WorldInput 
             world, state, rotation, &world->own_surface, &world->cancellation[f], &state->own[f],
             &input->own[f], 1.0, forces, &forces->own[f], &forces->from_own);
     peers(world, state, input, rotation, forces);
-    walls(world, state, rotation, forces);
+    wall_forces(world, state, rotation, forces);
     const Planar compensation = {-world->compensation.x * box->velocity.x,
                                  -world->compensation.y * box->velocity.y,
                                  -world->compensation.theta * box->velocity.theta};
@@ -160,9 +180,7 @@ void world_step(const World *world, WorldState *state, const WorldForces *forces
     for (int f = 0; f < OWN_FINGERS; f++) state->own[f] = forces->own_contact[f];
     for (int p = 0; p < PEERS; p++)
         for (int f = 0; f < PEER_FINGERS; f++) state->peer[p][f] = forces->peer_contact[p][f];
-    for (int w = 0; w < WALLS; w++)
-        for (int i = 0; world->wall[w].enabled && i < wall_points(world); i++)
-            state->wall[w][i] = forces->wall_contact[w][i];
+    commit_walls(world, state);
     if (!world->soft) {
         state->box = box_step(&world->box, &state->box, forces->total, world->period);
         return;

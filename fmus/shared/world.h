@@ -74,14 +74,14 @@ typedef struct {
     double wall_penetration; /* deepest point, m */
     Contact own_contact[OWN_FINGERS];
     Contact peer_contact[PEERS][PEER_FINGERS];
-    Contact wall_contact[WALLS][WALL_POINTS];
     Vector node[LATTICE_NODES]; /* outer forces on the lattice */
 } WorldForces;
 
 /* Put the object at a pose, at rest. */
 void world_place(const World *world, WorldState *state, Planar pose);
 
-/* All forces at this tick, and the contacts as they will be committed. Pure. */
+/* All forces at this tick, and the fingers' contacts as they will be committed (those of the walls are
+ * found again then: the struct lives on small stacks). Pure. */
 void world_forces(const World *world, const WorldState *state, const WorldInput *input,
                   WorldForces *forces);
 
