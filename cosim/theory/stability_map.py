@@ -95,7 +95,7 @@ def _polynomials(
     walled = bool(np.any(np.asarray(walls) != 0.0))
     grounded = bool(np.any(np.asarray(values["k_w"]) != 0.0))
     if parameters.architecture == "distributed":
-        ends: list[tuple[Station, Value | Real]] = []
+        ends: list[tuple[Station, Real]] = []
         for m, r in ((1, 2), (2, 1)):
             held = [
                 (
@@ -114,8 +114,8 @@ def _polynomials(
             )
             sent = [values[f"k_{r}{m}"], values[f"b_{r}{m}"], values[f"k_o{r}"], values[f"b_o{r}"]]
             ends.append((station, _row(station, sent)))
-        a_1, q_1 = _transfer(ends[0][0], np.asarray(ends[0][1]), samples, through=False)
-        a_2, q_2 = _transfer(ends[1][0], np.asarray(ends[1][1]), samples, through=False)
+        a_1, q_1 = _transfer(*ends[0], samples)
+        a_2, q_2 = (a_1, q_1) if _alike(values) else _transfer(*ends[1], samples)
         return multiply(a_1, a_2), multiply(q_1, q_2), 0 if grounded else 1
 
     single = parameters.architecture == "single"
@@ -137,6 +137,20 @@ def _polynomials(
     client = hand_alone(values["m_h2"], values["b_h2"], period)
     a_2, q_2 = _transfer(client, _row(client, [values["k_2"], values["b_2"]]), samples)
     return multiply(a_1, a_2), multiply(q_1, q_2), 0 if grounded else 1
+
+
+def _alike(values: Mapping[str, Value]) -> bool:
+    """Whether the two workstations are the same, as in every figure of chapter 5."""
+    pairs = [
+        (name, f"{name[:-1]}2") for name in values if name.endswith("1") and name[-2] not in "12"
+    ]
+    pairs += [(f"{kind}_11", f"{kind}_22") for kind in "kb"]
+    pairs += [(f"{kind}_12", f"{kind}_21") for kind in "kb"]
+    return all(
+        values[one] is values[other]
+        or (np.ndim(values[one]) == np.ndim(values[other]) == 0 and values[one] == values[other])
+        for one, other in pairs
+    )
 
 
 def _row(station: Station, entries: list[Value]) -> Real:

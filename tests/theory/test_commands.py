@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -128,3 +130,95 @@ def test_a_range_has_two_ends_in_order() -> None:
     assert "LOW:HIGH" in refusal(*loop, "--range", "5")
     assert "empty" in refusal(*loop, "--range", "5:1")
     assert "Did you mean" in refusal(*loop[:3], "--vary", "k_1q", "--range", "1:5")
+
+
+def test_map(tmp_path: Path) -> None:
+    plane = ("--vary", "k_11", "--range", "100:20000", "--vary", "k_12", "--range", "50:4000")
+    loop = ("map", "--architecture", "distributed", *plane, "--points", "5")
+    out = tmp_path / "map.png"
+    found = answer(*loop, "--round-trip-delay", "1", "--out", str(out))
+    assert np.array(found["stable"]).shape == (5, 5)
+    assert 0 < found["stable_share"] < 1
+    assert out.read_bytes().startswith(b"\x89PNG")
+    assert "two different parameters" in refusal(*loop[:5])
+    assert "name the figure" in refusal(*loop, "--out", str(tmp_path / "map.wav"))
+
+
+@pytest.mark.parametrize("number", ["5.1", "6.5"])
+def test_figure(number: str, tmp_path: Path) -> None:
+    out = tmp_path / "figure.svg"
+    found = answer("figure", number, "--out", str(out), "--points", "12")
+    assert found["figure"] == number
+    assert "<svg" in out.read_text(encoding="utf-8")
+
+
+def test_figures_and_tables_that_are_not_there() -> None:
+    assert "5.1" in refusal("figure", "5.11", "--out", "x.png")
+    assert "no table" in refusal("table", "7.1")
+
+
+def test_table() -> None:
+    rows = answer("table", "6.2")["rows"]
+    assert [f"{row['damping']:.4g}" for row in rows] == ["0.2937", "0", "2.039", "1.067"]
+    assert [row["thesis"] for row in rows] == ["0.04", "0", "2.1", "1.4"]
+    assert any(row["parameter"] == "k_o" for row in answer("table", "6.1")["rows"])
+    assert "thesis 0.04" in run("table", "6.2")
+
+
+def test_admittance() -> None:
+    asked = ("admittance", "--user", "remote", "--frequency", "1e-4", "--frequency", "10")
+    found = answer(*asked, "--case", "free", "--round-trip-delay", "1")
+    assert found["architecture"] == "centralized"
+    slow, fast = found["admittance"]
+    assert slow["frame_lifted"]["magnitude"] == pytest.approx(1 / 0.293732, rel=1e-4)
+    assert fast["frequency"] == 10
+    assert {"magnitude", "phase"} <= fast["fundamental"].keys()
+    contact = answer("admittance", "--user", "distributed", "--case", "contact", *asked[3:5])
+    assert contact["unit"] == "m/N"
+    assert 1 / contact["admittance"][0]["fundamental"]["magnitude"] == pytest.approx(2729.354)
+    text = run("admittance", "--architecture", "single", "--frequency", "2")
+    assert "fundamental" in text
+    assert "belongs to" in refusal(*asked, "--architecture", "distributed")
+
+
+def test_loss() -> None:
+    found = answer("loss", "--architecture", "centralized", "--losses", "together")
+    assert 0.3 < found["critical_loss"] < 0.4
+    assert answer("loss", "--architecture", "distributed")["critical_loss"] is None
+    unstable = ("--architecture", "centralized", "--round-trip-delay", "2")
+    assert answer("loss", *unstable)["critical_loss"] == 0
+    at = ("--architecture", "centralized", "--loss", "0.05")
+    assert answer("loss", *at)["mean_square_stable"]
+    assert "unstable" in run("loss", *at, "--burst", "40")
+    assert "add --loss" in refusal("loss", *at[:2], "--burst", "3")
+    assert "mean burst" in refusal("loss", *at[:2], "--loss", "0.9", "--burst", "2")
+    assert "whole number" in refusal("loss", *at[:2], "--ratio", "5/2")
+
+
+def test_passivity() -> None:
+    loop = ("passivity", "--architecture", "single", "--set", "b=1", "--set", "k=1024")
+    found = answer(*loop, "--device-damping", "3")
+    assert found["needed_device_damping"] == pytest.approx(1.5)
+    assert found["passive_stiffness"] == pytest.approx(4096)
+    assert found["passive"]
+    assert "not passive" in run(*loop, "--device-damping", "1.2")
+
+
+def test_margins() -> None:
+    found = answer("margins", "--architecture", "single")
+    assert found["stiffness"][1] == pytest.approx(20.48)
+    assert found["network"] is None
+
+
+def test_design(tmp_path: Path) -> None:
+    out = tmp_path / "gains.yaml"
+    loop = ("design", "--architecture", "centralized", "--round-trip-delay", "1")
+    found = answer(*loop, "--set", "b_1=15", "--set", "b_2=3", "--out", str(out))
+    assert found["gains"]["b_1"] == 15
+    assert found["compensation"] < 0
+    assert out.read_text(encoding="utf-8") == found["overlay"]
+    overlaid = answer("radius", "--scenario", "single_axis_centralized", "--with", str(out))
+    assert overlaid["stable"]
+    assert overlaid["parameters"]["k_2"] == pytest.approx(found["gains"]["k_2"], rel=1e-5)
+    assert "no network" in refusal("design", "--architecture", "single")
+    assert "Take back" in refusal(*loop, "--set", "k_1=100000")
