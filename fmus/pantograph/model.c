@@ -190,7 +190,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     }
     FiveBarPose pose;
     five_bar_pose_at(&s->mechanism.bar, joint, &pose);
-    if (!(pose.valid && five_bar_condition(pose.jacobian) <= v->condition_limit))
+    if (!(pose.valid && five_bar_is_regular(pose.jacobian, v->condition_limit)))
         return singular(&motion, r, t);
     s->motion = motion;
     for (int i = 0; i < 2; i++) s->current[i] = target[i] + away[i];

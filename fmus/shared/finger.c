@@ -19,7 +19,7 @@ FingerMeasurement finger_measure(const Finger *finger, const FingerState *state,
     FiveBarPose pose;
     if (!finger->used) return measured;
     five_bar_pose(&finger->bar, joint_angle, &pose);
-    if (!(pose.valid && five_bar_condition(pose.jacobian) < CONDITION_LIMIT)) return measured;
+    if (!(pose.valid && five_bar_is_regular(pose.jacobian, CONDITION_LIMIT))) return measured;
     measured.readable = true;
     measured.present = status_is_active(status);
     measured.position = to_world(&finger->place, pose.tip);

@@ -62,12 +62,11 @@ bool five_bar_angles(const FiveBar *bar, Vector tip, double angle[2])
     return true;
 }
 
-double five_bar_condition(const double jacobian[2][2])
+bool five_bar_is_regular(const double jacobian[2][2], double limit)
 {
+    /* The ratio r obeys r + 1/r = |J|^2 / |det J|, with the Frobenius norm. */
     const double a = jacobian[0][0], b = jacobian[0][1], c = jacobian[1][0], d = jacobian[1][1];
-    const double norm = a * a + b * b + c * c + d * d;
-    const double area = 2.0 * fabs(a * d - b * c);
-    return (norm + sqrt(fmax(norm * norm - area * area, 0.0))) / area;
+    return a * a + b * b + c * c + d * d <= fabs(a * d - b * c) * (limit + 1.0 / limit);
 }
 
 Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,

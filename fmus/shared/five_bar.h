@@ -37,8 +37,8 @@ void five_bar_pose_at(const FiveBar *bar, const Rotation joint[2], FiveBarPose *
 /* Joint angles (rad) that reach a tip position (m); false where it is out of reach. */
 bool five_bar_angles(const FiveBar *bar, Vector tip, double angle[2]);
 
-/* Ratio of the largest to the smallest singular value of J. */
-double five_bar_condition(const double jacobian[2][2]);
+/* Whether the ratio of the largest to the smallest singular value of J is at most `limit`. */
+bool five_bar_is_regular(const double jacobian[2][2], double limit);
 
 /* Tip acceleration at zero joint acceleration, Jdot thetadot, m/s2. */
 Vector five_bar_bias_acceleration(const FiveBar *bar, const FiveBarPose *pose,

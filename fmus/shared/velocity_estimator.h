@@ -23,7 +23,7 @@ typedef struct {
     int64_t count;
 } SampleWindow;
 
-/* The estimators look `window` ticks (1 .. LONGEST_WINDOW) back from the sample (value, tick), which
+/* The estimators look `window` ticks (1 .. LONGEST_WINDOW - 1) back from the sample (value, tick), which
  * need not be in the window yet; `period` is a tick in s. No usable sample gives zero velocity. */
 void foaw_velocity(const SampleWindow *samples, const double value[2], int64_t tick, int64_t window,
                    double quantum, double period, double velocity[2]);

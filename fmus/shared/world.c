@@ -93,6 +93,9 @@ static void wall_forces(const World *world, const WorldState *state, Rotation ro
 
 static void commit_walls(const World *world, WorldState *state)
 {
+    bool any = false;
+    for (int w = 0; w < WALLS; w++) any = any || world->wall[w].enabled;
+    if (!any) return;
     const Rotation rotation = {cos(state->box.pose.theta), sin(state->box.pose.theta)};
     for (int w = 0; w < WALLS; w++)
         for (int i = 0; world->wall[w].enabled && i < wall_points(world); i++) {
