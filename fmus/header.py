@@ -36,6 +36,8 @@ def variables_header(model: Model) -> str:
         "",
         '#include "model.h"',
         "",
+        f"enum {{ MODEL_WORK_BYTES = {model.work_bytes} }};",
+        "",
     ]
     for enumeration in layout.enumerations:
         lines += _enumeration(enumeration)
@@ -70,6 +72,7 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
         f"const uint64_t model_digest[2] = {{0x{digest[:16]}u, 0x{digest[16:32]}u}};",
         f"const bool model_variable_step = {'true' if model.variable_step else 'false'};",
         f"const uint32_t model_slots = {layout.slots};",
+        f"const size_t model_work_bytes = {model.work_bytes};",
         "",
         f"const Element model_elements[{max(layout.slots, 1)}] = {{",
     ]

@@ -92,7 +92,8 @@ class Model:
 
     ``sources`` are file names, each beside the description or in ``fmus/shared``.
     ``variable_step`` says whether steps of different length may follow each other; where it is
-    false, the first step's length is enforced. ``default_step`` is in seconds.
+    false, the first step's length is enforced. ``default_step`` is in seconds. ``work_bytes`` is
+    the room that ``model_outputs`` has for what ``model_step`` can use again (``model.h``).
     """
 
     name: str
@@ -103,3 +104,4 @@ class Model:
     version: str = "1"
     variable_step: bool = True
     default_step: float = 1 / 1024
+    work_bytes: int = 0

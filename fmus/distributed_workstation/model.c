@@ -12,6 +12,15 @@ struct State {
 
 const size_t model_state_size = sizeof(State);
 
+/* What the inputs of a tick come to; model_step takes it over from model_outputs. */
+typedef struct {
+    FingerMeasurement measured[FINGERS];
+    WorldForces forces;
+    SentPacket sent;
+} Evaluation;
+
+_Static_assert(sizeof(Evaluation) <= MODEL_WORK_BYTES, "raise Model.work_bytes");
+
 const char *model_initialise(Variables *v, State *s, Report *r)
 {
     if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";
@@ -23,12 +32,21 @@ const char *model_initialise(Variables *v, State *s, Report *r)
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);
 }
 
-static void evaluate(const Variables *v, const State *s, FingerMeasurement measured[FINGERS],
-                     WorldForces *forces)
+static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS])
 {
+    Packet now = {0};
+    pack_fingers(measured, &now);
+    pack_box(&s->environment.box, &now);
+    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+}
+
+/* Not inlined: one large stack frame is enough. */
+__attribute__((noinline)) static const Evaluation *evaluate(const Variables *v, const State *s)
+{
+    Evaluation *found = model_work(s);
     WorldInput input;
-    station_measure(v, &s->station, &s->own, measured);
-    own_fingers(measured, &input);
+    station_measure(v, &s->station, &s->own, found->measured);
+    own_fingers(found->measured, &input);
     for (int p = 0; p < PEERS; p++) {
         const double ahead =
             prediction_time(v, p, s->own.tick, v->peer[p].source_tick, v->peer[p].source_age);
@@ -41,30 +59,22 @@ static void evaluate(const Variables *v, const State *s, FingerMeasurement measu
                                   v->peer[p].box_theta + ahead * v->peer[p].box_omega};
         READ_PEER_FINGERS(peer, &v->peer[p], p, ahead);
     }
-    world_forces(&s->world, &s->environment, &input, forces);
-}
-
-static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS])
-{
-    Packet now = {0};
-    pack_fingers(measured, &now);
-    pack_box(&s->environment.box, &now);
-    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+    world_forces(&s->world, &s->environment, &input, &found->forces);
+    found->sent = send(s, found->measured);
+    return found;
 }
 
 void model_outputs(Variables *v, const State *s)
 {
-    FingerMeasurement measured[FINGERS];
-    WorldForces forces;
-    evaluate(v, s, measured, &forces);
-    environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
-    const SentPacket sent = send(s, measured);
-    WRITE_FINGERS(v->shared, sent.packet);
-    WRITE_BOX(v->shared, sent.packet);
-    WRITE_SOURCE(v->shared, v, measured, s->own.tick, &sent, contact_bit(&forces));
-    v->packets_due = sent.due;
-    v->packets_sent = sent.sent;
-    for (int p = 0; p < PEERS; p++) WRITE_PEER_CONTACTS(v->peer_contact[p], &forces, p);
+    const Evaluation *now = evaluate(v, s);
+    environment_outputs(v, &s->station, &s->own, &s->world, &s->environment, now->measured,
+                        &now->forces);
+    WRITE_FINGERS(v->shared, now->sent.packet);
+    WRITE_BOX(v->shared, now->sent.packet);
+    WRITE_SOURCE(v->shared, v, now->measured, s->own.tick, &now->sent, contact_bit(&now->forces));
+    v->packets_due = now->sent.due;
+    v->packets_sent = now->sent.sent;
+    for (int p = 0; p < PEERS; p++) WRITE_PEER_CONTACTS(v->peer_contact[p], &now->forces, p);
 }
 
 const char *model_step(Variables *v, State *s, double t, double h, Report *r)
@@ -72,10 +82,9 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     (void)t;
     const char *wrong = station_check_step(&s->station, h, r);
     if (wrong) return wrong;
-    FingerMeasurement measured[FINGERS];
-    WorldForces forces;
-    evaluate(v, s, measured, &forces);
-    s->sent = send(s, measured);
-    environment_commit(v, &s->station, &s->own, &s->world, &s->environment, measured, &forces);
+    const Evaluation *now = report_outputs_are_current(r) ? model_work(s) : evaluate(v, s);
+    s->sent = now->sent;
+    environment_commit(v, &s->station, &s->own, &s->world, &s->environment, now->measured,
+                       &now->forces);
     return NULL;
 }

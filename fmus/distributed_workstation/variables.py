@@ -36,6 +36,7 @@ MODEL = Model(
         Group("peer_contact", workstation.peer_contact_outputs(_PEERS, "peer"), count=PEERS),
         *environment.environment_outputs(_PEERS),
     ),
+    work_bytes=4096,
     sources=(
         "model.c",
         "world.c",

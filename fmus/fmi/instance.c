@@ -11,6 +11,14 @@ static const char *const categories[] = {
 
 static size_t aligned(size_t bytes) { return (bytes + 63) & ~(size_t)63; }
 
+size_t instance_state_room(void) { return ((model_state_size + 15) & ~(size_t)15) + model_work_bytes; }
+
+void instance_clear_work(Instance *i)
+{
+    if (model_work_bytes > 0)
+        memset(model_work(i->state), 0, model_work_bytes);
+}
+
 static void log_information(void *context, const char *sentence)
 {
     Instance *i = context;
@@ -21,7 +29,7 @@ static void log_information(void *context, const char *sentence)
 static void set_start_values(Instance *i)
 {
     memset(i->cells, 0, 8 * (size_t)model_slots);
-    memset(i->state, 0, model_state_size);
+    memset(i->state, 0, instance_state_room());
     for (uint32_t slot = 0; slot < model_slots; ++slot)
         i->cells[slot] = model_elements[slot].start;
     for (size_t k = 0; k < model_string_starts_count; ++k) {
@@ -37,7 +45,7 @@ Instance *instance_new(const char *name, Emit *emit, void (*logger)(void), void 
                        bool logs_information)
 {
     const size_t head = aligned(sizeof(Instance)), cells = aligned(8 * (size_t)model_slots);
-    const size_t size = head + cells + aligned(model_state_size);
+    const size_t size = head + cells + aligned(instance_state_room());
     char *memory = platform_allocate(size);
     if (memory == NULL)
         return NULL;
@@ -160,7 +168,7 @@ Status instance_enter_initialisation(Instance *i, const char *function)
 
 static Status initialise_model(Instance *i)
 {
-    memset(i->state, 0, model_state_size);
+    memset(i->state, 0, instance_state_room());
     i->report.start_time = i->clock.start_time;
     const char *problem = model_initialise((Variables *)i->cells, i->state, &i->report);
     if (problem == NULL)
@@ -216,6 +224,7 @@ Status instance_step(Instance *i, const char *function, double t, double h)
                                  "cannot change its step.",
                                  function, h, i->clock.step);
     i->report.severity = SEVERITY_ERROR;
+    i->report.outputs_are_current = !i->is_outdated;
     const char *problem = model_step((Variables *)i->cells, i->state, t, h, &i->report);
     if (__builtin_expect(problem != NULL, 0)) {
         const Status result = (Status)i->report.severity;

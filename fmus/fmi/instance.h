@@ -74,6 +74,10 @@ struct Instance {
     char name[128];
 };
 
+/* The state with the work room behind it, and how large both are. */
+void instance_clear_work(Instance *i);
+size_t instance_state_room(void);
+
 Instance *instance_new(const char *name, Emit *emit, void (*logger)(void), void *environment,
                        bool logs_information);
 void instance_free(Instance *i);

@@ -35,6 +35,18 @@ void model_outputs(Variables *v, const State *s);
    must be as it was. */
 const char *model_step(Variables *v, State *s, double t, double h, Report *r);
 
+/* Room for MODEL_WORK_BYTES (Model.work_bytes of the table) behind the state, for what
+   model_outputs has worked out and a later call can use again. It is no part of the state: it is
+   all zeros after anything but model_outputs and model_step has touched state or parameters. */
+extern const size_t model_work_bytes;
+static inline void *model_work(const State *s)
+{
+    return (char *)s + ((model_state_size + 15) & ~(size_t)15);
+}
+
+/* In model_step: whether model_outputs was called with this state and these inputs. */
+bool report_outputs_are_current(const Report *r);
+
 /* Write a sentence into the report's buffer (512 bytes, cut off at its end) and return it, ready
    to be returned as an error or logged. Conversions: %s (const char *), %d (int), %g (double,
    9 significant digits), %%. */

@@ -131,4 +131,6 @@ void report_log(Report *r, const char *sentence)
 
 void report_severity(Report *r, Severity severity) { r->severity = severity; }
 
+bool report_outputs_are_current(const Report *r) { return r->outputs_are_current; }
+
 double report_start_time(const Report *r) { return r->start_time; }

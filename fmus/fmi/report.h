@@ -13,6 +13,7 @@ struct Report {
     void *context;
     double start_time;
     Severity severity;
+    bool outputs_are_current;
     char text[REPORT_CAPACITY];
 };
 

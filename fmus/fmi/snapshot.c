@@ -83,6 +83,7 @@ Status snapshot_set(Instance *i, const char *function, const void *snapshot)
     memcpy(i->cells, s->cells, 8 * (size_t)model_slots);
     memcpy(i->state, state_of(s), model_state_size);
     i->is_outdated = true;
+    instance_clear_work(i);
     return OK;
 }
 

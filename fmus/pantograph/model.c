@@ -128,7 +128,8 @@ static double due_torque(const Variables *v, const State *s, int i)
     return drive_commanded_torque(&s->drive, torque);
 }
 
-void model_outputs(Variables *v, const State *s)
+/* What follows from the motion alone, worked out once a step. */
+static void motion_outputs(Variables *v, const State *s)
 {
     v->sample_age = 0;
     v->status = STATUS_IN_SIMULATION;
@@ -148,6 +149,15 @@ void model_outputs(Variables *v, const State *s)
         v->true_joint_angle[i] = s->motion.angle[i];
         v->joint_angle[i] = encoder_angle(&s->encoder[i], s->motion.angle[i]);
         v->encoder_count[i] = encoder_count(&s->encoder[i], s->motion.angle[i]);
+    }
+}
+
+void model_outputs(Variables *v, const State *s)
+{
+    bool *motion_is_written = model_work(s);
+    if (!*motion_is_written) motion_outputs(v, s);
+    *motion_is_written = true;
+    for (int i = 0; i < 2; i++) {
         v->applied_torque[i] = due_torque(v, s, i);
         v->motor_current[i] = s->drive.bandwidth > 0.0
                                   ? s->current[i]
@@ -193,6 +203,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     if (!(pose.valid && five_bar_is_regular(pose.jacobian, v->condition_limit)))
         return singular(&motion, r, t);
     s->motion = motion;
+    *(bool *)model_work(s) = false;
     for (int i = 0; i < 2; i++) s->current[i] = target[i] + away[i];
     if (v->computation_delay_ticks > 0) {
         for (int i = 0; i < 2; i++) s->delayed[s->oldest][i] = v->motor_torque[i];

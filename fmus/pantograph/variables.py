@@ -198,6 +198,7 @@ MODEL = Model(
     description="Planar five-bar haptic device with motors, current amplifiers, DAC, encoders and "
     "the user's finger mass at the tip",
     variables=(*_PARAMETERS, *_INPUTS, *_OUTPUTS),
+    work_bytes=8,
     sources=("model.c", "five_bar.c", "mechanism.c", "drive.c"),
     terminals=(
         Terminal(
