@@ -195,7 +195,13 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
         place.parent.mkdir(parents=True, exist_ok=True)
         _generate(f"{model.name}_variables.h", header)
         with tempfile.TemporaryDirectory(dir=place.parent) as name:
-            compile_library(target, Path(name) / place.name, files, include=_INCLUDE)
+            work = Path(name) / "work.c"
+            work.write_text(
+                f'#include "{model.name}_variables.h"\n'
+                "const size_t model_work_bytes = MODEL_WORK_BYTES;\n",
+                encoding="utf-8",
+            )
+            compile_library(target, Path(name) / place.name, [*files, work], include=_INCLUDE)
             (Path(name) / place.name).replace(place)
     return place
 

@@ -46,8 +46,9 @@ class Instance:
         self._places.update({placed.path: placed for placed in self.layout.placed})
         self._library = _load(build_development(self.model, folder=folder))
         self._slots = np.zeros(max(self.layout.slots, 1), np.int64)
-        size = self._library.development_state_size()
-        self._state = np.zeros((size + 7) // 8, np.int64)
+        room = np.zeros((self._library.development_state_room() + 7) // 8, np.int64)
+        size = (self._library.development_state_size() + 7) // 8
+        self._state, self._work = room[:size], room[size:]
         for placed in self.layout.placed:
             if placed.variable.start is not None:
                 self[placed.path] = placed.variable.start
@@ -95,6 +96,7 @@ class Instance:
     def state(self, value: bytes) -> None:
         cells = np.frombuffer(value, np.int64)
         self._state[:] = cells[: self._state.size]
+        self._work[:] = 0
         self._slots[:] = cells[self._state.size :]
 
     def __getitem__(self, path: str) -> Any:
@@ -137,6 +139,7 @@ def _load(path: Path) -> Any:
     library = ctypes.CDLL(str(path))
     pointer, double = ctypes.c_void_p, ctypes.c_double
     library.development_state_size.restype = ctypes.c_size_t
+    library.development_state_room.restype = ctypes.c_size_t
     library.development_initialise.restype = ctypes.c_char_p
     library.development_initialise.argtypes = (pointer, pointer, double)
     library.development_outputs.restype = None
