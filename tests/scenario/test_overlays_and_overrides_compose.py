@@ -45,6 +45,19 @@ TREES = st.recursive(
 DOCUMENTS = st.dictionaries(
     st.sampled_from(["safety", "link", "realtime"]), st.dictionaries(NAMES, TREES, max_size=3)
 )
+# What is a mapping in one document is one in all; a value over a mapping forgets what was under it.
+ALIKE = st.recursive(
+    st.dictionaries(NAMES, SCALARS | st.lists(SCALARS, max_size=2), max_size=3),
+    lambda inner: st.builds(
+        lambda values, groups: values | groups,
+        st.dictionaries(NAMES, SCALARS, max_size=2),
+        st.dictionaries(st.sampled_from(["inner", "outer"]), inner, max_size=2),
+    ),
+    max_leaves=4,
+)
+ALIKE_DOCUMENTS = st.dictionaries(
+    st.sampled_from(["safety", "link", "realtime"]), ALIKE, max_size=3
+)
 
 
 @settings(deadline=None, max_examples=60)
@@ -74,7 +87,7 @@ def test_what_lies_over_is_found_again(base: dict[str, Any], over: dict[str, Any
 
 
 @settings(deadline=None, max_examples=60)
-@given(DOCUMENTS, DOCUMENTS, DOCUMENTS)
+@given(ALIKE_DOCUMENTS, ALIKE_DOCUMENTS, ALIKE_DOCUMENTS)
 def test_mappings_merge_associatively(a: Any, b: Any, c: Any) -> None:
     left = merge(merge(node(a), node(b)), node(c)).plain()
     right = merge(node(a), merge(node(b), node(c))).plain()
