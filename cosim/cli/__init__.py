@@ -15,6 +15,7 @@ COMMANDS = {
     "check": "Read a scenario, load its FMUs, and report every problem in one go.",
     "fmu": "List, inspect and export FMUs.",
     "keygen": "Make a pre-shared key for a link between workstations.",
+    "merge": "Align the records of the stations of one session.",
     "netchar": "Measure the network between two machines: delay, jitter, loss, rate.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -79,6 +80,9 @@ def command(
     from hil.deadlines import Deadlines
     from hil.realtime import clock_nanosleep
 
+    # A service manager's SIGTERM stops in order, too: the peer is told, the record is closed.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load(scenario, overlays, sets)

@@ -6,8 +6,11 @@ slewed to keep the phase of the leader's grid, and the door is heard now and the
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import ceil
 from typing import Literal, Protocol
@@ -92,7 +95,8 @@ class StationPacer:
         # Locking memory takes a good part of a second: before the others wait for this station.
         if self.prepare is not None:
             self.prepare()
-        agreed = self.door.wait_for_start(say=self.say, timeout=self.patience)
+        with _interruptible():
+            agreed = self.door.wait_for_start(say=self.say, timeout=self.patience)
         grid.first_tick = agreed.first_tick
         first = grid.first_tick + tick
         self._origin = agreed.epoch + round(first * grid.tick_ns)
@@ -162,6 +166,19 @@ class StationPacer:
             silent = tick > _patience(self.grid) and PeerState.WAITING in states
             lost |= (gone or silent) << number
         self.door.tell(lost=lost, tick=tick, epoch=self.grid.epoch)
+
+
+@contextmanager
+def _interruptible() -> Generator[None]:
+    """Let Ctrl-C end the waiting at once; in the loop it is a wish that is granted after a tick."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _patience(grid: Grid) -> int:

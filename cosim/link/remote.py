@@ -118,6 +118,7 @@ class RemoteStation(Component):
     def read(self, tick: int) -> None:
         """Drain the socket, release what is due, weigh the peer."""
         session_tick = tick + self.grid.first_tick
+        self._align()
         self.link.drain(session_tick)
         self.link.release(session_tick)
         for shown in self._shown:
@@ -162,6 +163,23 @@ class RemoteStation(Component):
         shown.state[0] = item.weight.state
         shown.sequence[0] = item.receiver.sequence
 
+    def _phase(self) -> float:
+        """By how much the own ticks come later than the peer's (ns)."""
+        # Where the peer has session tick 0, told in the own clock, against the own grid.
+        link = self.link
+        return self.grid.epoch + link.clock.offset(self._now()) - link.peer_epoch
+
+    def _align(self) -> None:
+        """Count by how many ticks the two grids are apart; a grid moves when its loop overruns."""
+        link = self.link
+        if not link.clock.ready or not link.peer_epoch:
+            return
+        slip = -int(self._phase() / self.grid.tick_ns)
+        for item, setting in zip(link.incoming, link.settings, strict=True):
+            # A grid that is being slewed is not a grid that slides, unless it is far off.
+            near = setting.clock is ClockMode.FOLLOW and abs(slip) < item.receiver.bundle.period
+            item.receiver.slip = 0 if near else slip
+
     def _follow(self) -> None:
         """Once a second, at first more often: fit the clock, find the phase, say how to slew."""
         link, grid = self.link, self.grid
@@ -169,18 +187,11 @@ class RemoteStation(Component):
         link.clock.update(now)
         if not link.clock.ready or not link.peer_epoch:
             return
-        offset = link.clock.offset(now)
-        # Where the peer has session tick 0, told in the own clock, against the own grid.
-        phase = (grid.epoch + offset - link.peer_epoch) * 1e-9
+        phase = self._phase() * 1e-9
         if self.follower is not None:
             grid.slew = self.follower.update(phase, link.clock.skew)
-        slip = -int(phase * 1e9 / grid.tick_ns)
-        for item, setting in zip(link.incoming, link.settings, strict=True):
-            # A grid that is being slewed is not a grid that slides, unless it is far off.
-            near = setting.clock is ClockMode.FOLLOW and abs(slip) < item.receiver.bundle.period
-            item.receiver.slip = 0 if near else slip
         self._facts["round_trip"][0] = link.clock.last_round_trip * 1e-9
-        self._facts["clock_offset"][0] = offset * 1e-9
+        self._facts["clock_offset"][0] = link.clock.offset(now) * 1e-9
         self._facts["clock_skew"][0] = link.clock.skew
         self._facts["phase"][0] = phase
 

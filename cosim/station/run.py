@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ from math import lcm
 from pathlib import Path
 from typing import Any, Literal
 
-from cosim.errors import InputError
+from cosim.errors import InputError, RunError
 from cosim.link.clock import PhaseFollower
 from cosim.link.door import Door
 from cosim.link.pacing import Lateness, StationPacer, Worst, sleep_until
@@ -22,6 +23,7 @@ from cosim.master.assemble import put_together
 from cosim.scenario import Scenario
 from cosim.session import Finished, run_scenario
 from cosim.station.contract import contract_of
+from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.split import Half, Peer, split
 from cosim.suggest import did_you_mean
 
@@ -100,7 +102,7 @@ def run_station(
             period=period,
         )
         made = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
-        return run_scenario(
+        finished = run_scenario(
             half.scenario,
             out,
             pacer=pacer,
@@ -110,6 +112,13 @@ def run_station(
             link=lambda: _facts(own, grid, half.peers, remotes, door),
             ended=arrangement.ended,
         )
+        if door.start is None:
+            # Nothing has run: what the recorder laid out is no record of anything.
+            shutil.rmtree(finished.folder)
+            raise finished.error or RunError("interrupted before the others came")
+        full_scenario = finished.folder / FULL_SCENARIO_FILE
+        full_scenario.write_text(scenario.resolved(), encoding="utf-8")
+        return finished
     finally:
         door.close()
         for link in sockets:

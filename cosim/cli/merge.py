@@ -1,0 +1,28 @@
+"""``cohaptic merge``: the records of several stations as one run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+
+@click.command("merge")
+@click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the result; new or empty.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(runs: tuple[Path, ...], out: Path | None, *, as_json: bool) -> None:
+    """Align the RUNS of the stations of one session on the session's ticks."""
+    from cosim.record import open_run
+    from cosim.report.summary import summarise
+    from cosim.station.merge import merge_runs
+
+    merged = merge_runs(runs, out)
+    if as_json:
+        click.echo(json.dumps({**asdict(merged), "folder": str(merged.folder)}))
+        return
+    with open_run(merged.folder) as run:
+        click.echo(summarise(run).text())
+    click.echo(f"{merged.signals} signals, session ticks from {merged.first_tick} on")

@@ -1,0 +1,144 @@
+"""Two sides' records on one time base: the session's ticks, which both stations share."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import lcm
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim.errors import InputError
+from cosim.master.recording import Column, RecordGroup
+from cosim.record.folder import new_folder
+from cosim.record.manifest import write_manifest
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, Signal, open_run
+from cosim.record.writer import Recorder
+
+FULL_SCENARIO_FILE = "scenario.full.yaml"
+"""Beside a station's record: the scenario of all stations, which the merged run is one of."""
+ROWS_AT_A_TIME = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class Merged:
+    """Where the merged run lies, and which session ticks it covers (tick 0 is the first)."""
+
+    folder: Path
+    first_tick: int
+    ticks: int
+    signals: int
+
+
+def merge_runs(folders: tuple[Path, ...], out: Path | None = None) -> Merged:
+    """Put the records of several stations of one session together.
+
+    A row of the result holds what every station recorded at the same session tick; the result
+    begins at the first and ends at the last tick that all have. Signals of one name get their
+    station's name in front.
+
+    Raises:
+        InputError: a folder holds no station's run, or they do not overlap in time.
+    """
+    if len(folders) < 2:
+        raise InputError("give the run folders of two stations or more")
+    runs = [open_run(folder) for folder in folders]
+    try:
+        return _merge(runs, out)
+    finally:
+        for run in runs:
+            run.close()
+
+
+def _merge(runs: list[Run], out: Path | None) -> Merged:
+    links = [_link_of(run) for run in runs]
+    stations = [str(link["station"]) for link in links]
+    if len(set(stations)) < len(stations):
+        raise InputError(f"two of the runs are of station {stations[0]}; merge different stations")
+    if len({run.base_rate for run in runs}) > 1:
+        raise InputError("the runs have different base rates; they are not of one session")
+    periods = lcm(*(group.period for run in runs for group in run.groups.values()))
+    firsts = [int(link["first_tick"]) for link in links]
+    # Every group has a row at a multiple of all periods.
+    first = -(-max(firsts) // periods) * periods
+    end = min(begin + run.ticks for begin, run in zip(firsts, runs, strict=True))
+    if end <= first:
+        raise InputError("the runs do not overlap in time; are they of one session?")
+    name = "-".join(["merged", *stations])
+    folder = new_folder(name, out)
+    parts = _parts(runs, stations)
+    groups = [
+        RecordGroup(name=label, period=period, columns=tuple(column for _, _, column in columns))
+        for (label, period), columns in parts.items()
+    ]
+    base_rate = runs[0].base_rate
+    with Recorder(folder / RUN_FILE, end - first) as recorder:
+        recorder.begin(groups, base_rate)
+        shifts = dict(zip(map(id, runs), (first - begin for begin in firsts), strict=True))
+        for number, columns in enumerate(parts.values()):
+            _copy(recorder, number, columns, shifts, end - first)
+    full = runs[0].folder / FULL_SCENARIO_FILE
+    if full.exists():
+        shutil.copyfile(full, folder / SCENARIO_FILE)
+    manifest: dict[str, Any] = {
+        **runs[0].manifest,
+        "link": None,
+        "merged": {
+            "first_tick": first,
+            "runs": {s: str(run.folder) for s, run in zip(stations, runs, strict=True)},
+            "links": {s: dict(link) for s, link in zip(stations, links, strict=True)},
+        },
+    }
+    write_manifest(folder, manifest)
+    return Merged(folder, first, end - first, sum(len(group.columns) for group in groups))
+
+
+_Part = tuple[Run, Signal, Column]
+
+
+def _parts(runs: list[Run], stations: list[str]) -> dict[tuple[str, int], list[_Part]]:
+    """The signals of each rate, with the names they get."""
+    names = [name for run in runs for group in run.groups.values() for name in group.signals]
+    found: dict[tuple[str, int], list[_Part]] = {}
+    for run, station in zip(runs, stations, strict=True):
+        for label, group in run.groups.items():
+            for name, signal in group.signals.items():
+                own = name if names.count(name) == 1 else f"{station}.{name}"
+                column = signal.column
+                renamed = Column(
+                    name=own,
+                    unit=column.unit,
+                    is_float=column.is_float,
+                    description=column.description,
+                    causality=column.causality,
+                    items=column.items,
+                )
+                found.setdefault((label, group.period), []).append((run, signal, renamed))
+    return found
+
+
+def _copy(
+    recorder: Recorder, number: int, columns: list[_Part], shifts: Mapping[int, int], ticks: int
+) -> None:
+    period = recorder.groups[number].period
+    rows = -(-ticks // period)
+    for start in range(0, rows, ROWS_AT_A_TIME):
+        count = min(ROWS_AT_A_TIME, rows - start)
+        cells = recorder.buffer(number, count)
+        for place, (run, signal, _) in enumerate(columns):
+            first = shifts[id(run)] // period + start
+            cells[:, place] = np.ascontiguousarray(signal[first : first + count]).view(np.int64)
+        recorder.commit(number, start * period, count)
+
+
+def _link_of(run: Run) -> Mapping[str, Any]:
+    link = run.manifest.get("link")
+    if not link:
+        raise InputError(
+            f"{run.folder}: not the run of one station; 'cohaptic merge' takes those of "
+            "'cohaptic station'"
+        )
+    return link

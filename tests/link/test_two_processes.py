@@ -1,0 +1,133 @@
+"""Two real processes on the loopback interface; how well they keep time is measured in bench/."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cosim.record import open_run
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="the door needs a socket pair")
+
+COMMAND = [sys.executable, "-c", "from cosim.cli import main; main()"]
+
+
+def free_ports() -> tuple[int, int]:
+    with socket.socket(type=socket.SOCK_DGRAM) as a, socket.socket(type=socket.SOCK_DGRAM) as b:
+        a.bind(("127.0.0.1", 0))
+        b.bind(("127.0.0.1", 0))
+        return a.getsockname()[1], b.getsockname()[1]
+
+
+def station(name: str, ports: tuple[int, int], out: Path, *more: str) -> subprocess.Popen[str]:
+    own, other = ports if name == "station_a" else ports[::-1]
+    return subprocess.Popen(
+        [
+            *(*COMMAND, "station", "two_users_box", "--as", name),
+            *("--listen", f"127.0.0.1:{own}", "--peer", f"127.0.0.1:{other}"),
+            *("--no-realtime", "--no-figure", "--wait", "60", "--out", str(out / name), *more),
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def link_of(folder: Path) -> dict:
+    return json.loads((folder / "manifest.json").read_text())["link"]
+
+
+def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
+    ports = free_ports()
+    key = tmp_path / "key"
+    subprocess.run([*COMMAND, "keygen", str(key)], check=True, capture_output=True)
+    processes = [
+        station(name, ports, tmp_path, "--duration", "1", "--key", str(key))
+        for name in ("station_a", "station_b")
+    ]
+    outputs = [process.communicate(timeout=120) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], outputs
+    secret = key.read_text().split()[1]
+    for name, peer in (("station_a", "station_b"), ("station_b", "station_a")):
+        link = link_of(tmp_path / name)
+        facts = link["peers"][peer]
+        assert link["sessions"] == 1
+        assert facts["streams"]["lan"]["accepted"] > 0
+        assert facts["streams"]["lan"]["forged"] == 0
+        for path in (tmp_path / name).iterdir():
+            assert secret.encode() not in path.read_bytes()
+    merged = subprocess.run(
+        [
+            *(*COMMAND, "merge", str(tmp_path / "station_a"), str(tmp_path / "station_b")),
+            *("--out", str(tmp_path / "merged"), "--json"),
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    facts = json.loads(merged.stdout)
+    assert facts["ticks"] > 0
+    with open_run(tmp_path / "merged") as both, open_run(tmp_path / "station_b") as b:
+        first = facts["first_tick"] - link_of(tmp_path / "station_b")["first_tick"]
+        own = b["vr_b.box_pose.x"].values[first:]
+        assert np.array_equal(both["vr_b.box_pose.x"].values, own[: facts["ticks"]])
+        assert "vr_a.box_pose.x" in both
+
+
+def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp_path) -> None:
+    ports = free_ports()
+    different = ("--set", "components.vr_a.parameters.local_normal_stiffness=801")
+    a = station("station_a", ports, tmp_path, *different)
+    b = station("station_b", ports, tmp_path)
+    try:
+        _, said = b.communicate(timeout=60)
+    finally:
+        a.send_signal(signal.SIGINT)
+        _, heard = a.communicate(timeout=60)
+    assert b.returncode == 2
+    assert "station_a runs something else" in said
+    assert re.search(r"local_normal_stiffness\S*: 800.0 at station_b, 801.0 at station_a", said)
+    assert "801.0 at station_a, 800.0 at station_b" in heard
+    assert "Traceback" not in said + heard
+    assert not (tmp_path / "station_b").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["station_a", "station_b"])
+def test_killing_and_restarting_one_side_heals_by_itself(tmp_path, victim: str) -> None:
+    ports = free_ports()
+    other = {"station_a": "station_b", "station_b": "station_a"}[victim]
+    survivor = station(other, ports, tmp_path, "--duration", "14")
+    first = station(victim, ports, tmp_path, "--duration", "14")
+    time.sleep(8.0)
+    first.kill()
+    first.communicate()
+    again = station(victim, ports, tmp_path / "again", "--duration", "8")
+    outputs = [process.communicate(timeout=120) for process in (survivor, again)]
+    assert [survivor.returncode, again.returncode] == [0, 0], outputs
+    link = link_of(tmp_path / other)
+    assert link["sessions"] >= 2
+    with open_run(tmp_path / other) as run:
+        weight = run[f"link_{victim}.lan.weight"].values
+        forces = [
+            run[f"vr_{other[-1]}.finger_{finger}.force[{axis}]"].values
+            for finger in (1, 2)
+            for axis in (1, 2)
+        ]
+    lost = np.flatnonzero(weight == 0.0)
+    lost = lost[lost > np.argmax(weight == 1.0)]
+    assert len(lost) > 0
+    assert weight[lost[-1] :].max() > 0.5
+    back = np.diff(weight[lost[0] :])
+    assert back.max() <= 1.01 / 1024
+    assert max(float(np.abs(force).max()) for force in forces) <= 2.5 * np.sqrt(2.0) + 1e-9
