@@ -107,12 +107,14 @@ def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp
 def test_killing_and_restarting_one_side_heals_by_itself(tmp_path, victim: str) -> None:
     ports = free_ports()
     other = {"station_a": "station_b", "station_b": "station_a"}[victim]
-    survivor = station(other, ports, tmp_path, "--duration", "14")
-    first = station(victim, ports, tmp_path, "--duration", "14")
-    time.sleep(8.0)
+    survivor = station(other, ports, tmp_path, "--duration", "16", "--realtime")
+    first = station(victim, ports, tmp_path, "--duration", "16", "--realtime")
+    while not (tmp_path / victim / "run.h5").exists():
+        time.sleep(0.1)
+    time.sleep(6.0)
     first.kill()
     first.communicate()
-    again = station(victim, ports, tmp_path / "again", "--duration", "8")
+    again = station(victim, ports, tmp_path / "again", "--duration", "5", "--realtime")
     outputs = [process.communicate(timeout=120) for process in (survivor, again)]
     assert [survivor.returncode, again.returncode] == [0, 0], outputs
     link = link_of(tmp_path / other)
