@@ -27,6 +27,8 @@ from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
 from cosim.scenario import Scenario
 
 FIGURE_FILE = "overview.png"
+Execute = Callable[[Simulation, Recorder, Progress | None], None]
+"""Runs a simulation to its end into a recorder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +70,7 @@ def run_scenario(
     *,
     progress: Progress | None = None,
     pacer: Pacer | None = None,
+    execute: Execute | None = None,
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
     made: Mapping[str, Component] | None = None,
@@ -77,7 +80,8 @@ def run_scenario(
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
 
     Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
-    drawn all the same. ``deadlines`` is asked for its statistics after a paced run, ``link``
+    drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
+    of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
     for those of a real link; ``ended`` is called as soon as the loop is over. ``made`` holds Python
     components that exist already, by name.
 
@@ -98,7 +102,7 @@ def run_scenario(
         manifest = describe(scenario, _components(simulation))
         manifest["notes"] = list(simulation.notes)
         recorder = _FolderRecorder(scenario, out, manifest, began)
-        error = _run(simulation, recorder, progress, pacer, ended)
+        error = _run(simulation, recorder, execute or _here(recorder, pacer, ended), progress)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")
@@ -124,25 +128,30 @@ def run_scenario(
     return Finished(folder, Summary(content), error)
 
 
-def _run(
-    simulation: Simulation,
-    recorder: Recorder,
-    progress: Progress | None,
-    pacer: Pacer | None,
-    ended: Callable[[], None] | None,
-) -> CohapticError | None:
-    """The loop; the record is complete afterwards, whatever happened."""
+def _here(recorder: Recorder, pacer: Pacer | None, ended: Callable[[], None] | None) -> Execute:
+    """Run in this very thread."""
     # A paced loop must not wait for the recorder's thread, not even for the interpreter's lock.
     spool = Spool(recorder) if pacer is not None else None
+
+    def run_here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:
+        try:
+            simulation.run(spool or recorder, progress=progress, pacer=pacer)
+        finally:
+            if ended is not None:
+                ended()
+            if spool is not None:
+                spool.drain()
+
+    return run_here
+
+
+def _run(
+    simulation: Simulation, recorder: Recorder, execute: Execute, progress: Progress | None
+) -> CohapticError | None:
+    """The loop; the record is complete afterwards, whatever happened."""
     try:
         with recorder:
-            try:
-                simulation.run(spool or recorder, progress=progress, pacer=pacer)
-            finally:
-                if ended is not None:
-                    ended()
-                if spool is not None:
-                    spool.drain()
+            execute(simulation, recorder, progress)
     except CohapticError as error:
         return error
     return None

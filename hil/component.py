@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from fractions import Fraction
 from math import nan
 from pathlib import Path
@@ -12,9 +13,10 @@ from cosim.component import Cells, Component, Role, Setup, Variable
 from cosim.errors import InputError
 from hil import session as sessions
 from hil.address import parse
-from hil.contract import Flag, State
+from hil.contract import Flag, Measurement, State
 from hil.device import Device
 from hil.device_file import DeviceFile, default, load
+from hil.emulators.control import Control
 from hil.limits import SPEED_WINDOW_TICKS
 from hil.pantograph import terminals, variables
 
@@ -59,10 +61,10 @@ class DeviceComponent(Component):
     def initialise(
         self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
     ) -> None:
-        """Configure, home, see the handle rest, and activate; then the first tick may come.
+        """Configure, home, and see the handle rest; the first tick activates the device.
 
         Raises:
-            DeviceError: the device does not answer or refuses activation.
+            DeviceError: the device does not answer.
             InputError: its address or file cannot be used.
         """
         self._command = inputs["motor_torque"]
@@ -79,7 +81,9 @@ class DeviceComponent(Component):
                 outputs[variable.name][...] = nan if variable.type.is_float else 0
         session = sessions.current()
         control = Fraction(*setup.tick) * setup.period
-        device = session.ready.get(setup.name) or self.open(control, session, setup.parameters)
+        device = session.ready.get(setup.name) or self.open(
+            control, session, _changed(setup.parameters)
+        )
         self.device = device
         if device not in session.devices:
             session.devices.append(device)
@@ -88,8 +92,8 @@ class DeviceComponent(Component):
                 f"{setup.name} is a real device ({device.name}): run it with --realtime"
             )
         observe_rest(device)
-        device.activate()
-        self.read(0)
+        self._started = False
+        self._show(device.read(-1))
         self._applied[...] = 0.0
 
     def open(
@@ -100,6 +104,7 @@ class DeviceComponent(Component):
             self.address, self.file, tick=control, pulse=session.pulse, clock=session.clock
         )
         device.parameters = dict(parameters)
+        device.number = session.number
         device.configure()
         try:
             device.permission = session.permission(device)
@@ -113,8 +118,19 @@ class DeviceComponent(Component):
         return device
 
     def read(self, tick: int) -> None:
-        """Take the measurement."""
-        measured = self._opened().read(tick)
+        """Take the measurement; at the first tick the device becomes active.
+
+        Not earlier: an active device has to be commanded every tick, and another one may still be
+        waiting to come to rest.
+        """
+        device = self._opened()
+        if not self._started:
+            device.activate()
+            begin_emulated_motion(device)
+            self._started = True
+        self._show(device.read(tick))
+
+    def _show(self, measured: Measurement) -> None:
         self._angle[0], self._angle[1] = measured.joint_angle
         self._count[0], self._count[1] = measured.count
         self._age[0] = measured.sample_age
@@ -153,8 +169,8 @@ def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
     """
     path = options.get("file")
     if path is None:
-        preset = options.get("preset", "haply" if kind.driver == "haply" else "quanser")
-        return default(kind.driver, str(preset))
+        preset = options.get("preset")
+        return default(kind.driver, None if preset is None else str(preset))
     file = load(Path(str(path)).expanduser())
     if file.driver != kind.driver:
         raise InputError(f"{path} is a device file for '{file.driver}', not for '{kind.driver}'")
@@ -170,3 +186,17 @@ def observe_rest(device: Device) -> None:
             break
         device.pause()
     device.raise_fault()
+
+
+def _changed(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters that a scenario set to something else than the model's default."""
+    default = {variable.name: variable.start for variable in variables()}
+    return {name: value for name, value in parameters.items() if value != default.get(name)}
+
+
+def begin_emulated_motion(device: Device) -> None:
+    """Tell an emulator that the run begins, so that its operator's time is the scenario's."""
+    path = device.address.options.get("emulator")
+    if path is not None:
+        with closing(Control(path)) as control:
+            control.ask("start")

@@ -97,6 +97,8 @@ class Device(ABC):
         self.permission = permission
         self.pulse = pulse
         self.name = address.url
+        self.number = 0
+        """Which device of the run it is, for the supervisor."""
         self.parameters: dict[str, Any] = {}
         """The scenario's pantograph parameters, for what only a simulated device can use."""
         self.state = State.UNCONFIGURED
@@ -226,8 +228,6 @@ class Device(ABC):
                 self.state = State.INACTIVE
             before = self.zeros_confirmed
             for _ in range(SETTLE_TICKS):
-                if self.pulse is not None:
-                    self.pulse.beat()
                 if not self._zero():
                     break
                 self.pause()
@@ -399,6 +399,8 @@ class Device(ABC):
 
     def pause(self) -> None:
         """One tick's time between exchanges outside the loop; none where no clock is involved."""
+        if self.pulse is not None:
+            self.pulse.beat()
         if not (self.in_process or self.lockstep):
             time.sleep(self.tick)
 

@@ -112,9 +112,9 @@ class DeviceFile:
         return max(joint.quantum for joint in self.joints)
 
 
-def default(driver: str, preset: str = "quanser") -> DeviceFile:
+def default(driver: str, preset: str | None = None) -> DeviceFile:
     """The device file of a published device as it leaves its maker: no serial, not homed."""
-    return parse({"driver": driver, "preset": preset})
+    return parse({"driver": driver} if preset is None else {"driver": driver, "preset": preset})
 
 
 def load(path: Path) -> DeviceFile:

@@ -15,6 +15,9 @@ from hil.errors import DeviceError, DeviceGone
 if TYPE_CHECKING:
     from hil.pulse import Pulse
 
+PATIENCE = 2.0
+"""In lock-step: how long to wait for bytes that the emulator is known to have sent (s)."""
+SETTLE_SECONDS = 0.01
 BAUD = 115200
 """USB serial ignores it; a real UART takes ``baud`` from the URL."""
 
@@ -43,6 +46,8 @@ class SerialPort:
         if self._descriptor is not None:
             self._poll.register(self._descriptor, select.POLLIN)
         self._control = lockstep(address)
+        self._received = self._expected = 0
+        self._count_from_here()
         self.low_latency = False
         # A pty refuses it, USB adapters with a latency timer need it.
         with contextlib.suppress(Exception):
@@ -85,15 +90,24 @@ class SerialPort:
         Raises:
             DeviceGone: the other end is closed.
         """
+        data = self._read(most)
+        self._received += len(data)
+        end = time.monotonic() + PATIENCE
+        while self._received < self._expected and len(data) < most and time.monotonic() < end:
+            more = self._read(most - len(data))
+            self._received += len(more)
+            data += more
+        return data
+
+    def _read(self, most: int) -> bytes:
         try:
             if self._descriptor is None:
                 return bytes(self._port.read(most))
-            data = os.read(self._descriptor, most)
+            return os.read(self._descriptor, most) or self._read_again(most)
         except BlockingIOError:
             return b""
         except OSError as error:
             raise DeviceGone(f"the port is gone: {error}") from error
-        return data or self._read_again(most)
 
     def _read_again(self, most: int) -> bytes:
         """Nothing came: is there nothing, or is nobody there? Something may also have come now."""
@@ -109,7 +123,7 @@ class SerialPort:
     def exchange_done(self) -> None:
         """In lock-step: let the emulator finish this tick. On a real port: nothing."""
         if self._control is not None:
-            self._control.sync(self.sent)
+            self._expected = self._control.sync(self.sent)
 
     def wait(self, count: int, seconds: float) -> bytes:
         """Read ``count`` bytes, or what has come by then (set-up and recovery, not the loop)."""
@@ -121,13 +135,21 @@ class SerialPort:
                 return data
             time.sleep(0.0005)
 
+    def _count_from_here(self) -> None:
+        if self._control is not None:
+            time.sleep(SETTLE_SECONDS)
+            self._read(65536)
+            state = self._control.ask("state")
+            self.sent = int(state["received"])
+            self._received = self._expected = int(state["written"])
+
     def take_over(self) -> None:
         """Go on where a dead process left off: drop what came for it, talk to nobody but us."""
         self._pulse = None
         if self._control is not None:
             self._control.close()
             self._control = Control(self._control.path)
-            self.sent = int(self._control.ask("state")["received"])
+            self._count_from_here()
         self.read()
 
     def close(self) -> None:

@@ -173,7 +173,10 @@ class RealtimePacer:
 
         Raises:
             RunError: it was missed and the policy is ``stop``.
+            KeyboardInterrupt: the run was asked to stop; every signal ends between two ticks.
         """
+        if self.stopping is not None and self.stopping():
+            raise KeyboardInterrupt
         due = self._due(tick)
         early = round(min(self.spin, LONGEST_SPIN) * 1e9)
         if self.clock() < due - early:

@@ -30,7 +30,7 @@ def check_safeguards(device: Device) -> None:
             f"{device.name} is reached over a network, which nobody guards: "
             "such a transport is for emulators only"
         )
-    if threading.active_count() > 1:
+    if threading.active_count() > 1 and not device.lockstep:
         raise ActivationRefused(
             f"{device.name}: another Python thread lives in the control process and would delay "
             "the loop by milliseconds"

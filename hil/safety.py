@@ -126,8 +126,9 @@ class SafetyLayer:
 
     def rest(self) -> str | None:
         """Why the handle cannot be called resting and inside yet, or ``None`` where it is."""
-        if len(self._trace) < SPEED_WINDOW_TICKS:
-            return f"only {len(self._trace)} of {SPEED_WINDOW_TICKS} ticks were observed"
+        seen = self._trace[-1][0] - self._trace[0][0] if self._trace else 0
+        if seen < SPEED_WINDOW_TICKS - HOLD_TICKS or len(self._trace) < SPEED_WINDOW_TICKS // 2:
+            return f"too little of its motion was observed ({len(self._trace)} samples)"
         if not self.inside:
             return "the tip is outside the workspace"
         if self.tip_speed > ACTIVATION_TIP_SPEED:

@@ -31,6 +31,8 @@ class Session:
     say: Callable[[str], None] | None = None
     clock: Callable[[], float] | None = None
     pulse: Pulse | None = None
+    number: int = 0
+    """Which of the run's devices the next one is; the supervisor knows them by it."""
     devices: list[Device] = field(default_factory=list["Device"])
     ready: dict[str, Device] = field(default_factory=dict[str, "Device"])
     """Devices by component name that the supervisor opened before the loop was forked."""

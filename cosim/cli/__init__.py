@@ -13,6 +13,7 @@ from cosim.errors import CohapticError
 # Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
 COMMANDS = {
     "check": "Read a scenario, load its FMUs, and report every problem in one go.",
+    "device": "Real devices: find, check, home, calibrate, emulate.",
     "fmu": "List, inspect and export FMUs.",
     "keygen": "Make a pre-shared key for a link between workstations.",
     "merge": "Align the records of the stations of one session.",

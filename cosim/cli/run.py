@@ -6,13 +6,14 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 if TYPE_CHECKING:
     from cosim.master.simulation import Progress
     from cosim.scenario import Scenario
+    from hil.paced_run import PacedRun
 
 
 @click.command("run")
@@ -38,6 +39,21 @@ if TYPE_CHECKING:
     help="Folder for the run; new or empty. [default: runs/<scenario>-<n>]",
 )
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
+@click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
+@click.option(
+    "--policy",
+    type=click.Choice(["count", "stop"]),
+    default="count",
+    show_default=True,
+    help="What a missed deadline means, with --realtime.",
+)
+@click.option("--cpu", type=int, help="Processor for the control loop. [default: the last one]")
+@click.option(
+    "--enable-output",
+    is_flag=True,
+    help="Let devices produce force; without it the torque is computed and zero is sent.",
+)
+@click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
     scenario: str,
@@ -47,6 +63,11 @@ def command(
     out: Path | None,
     *,
     figure: bool,
+    realtime: bool,
+    policy: Literal["count", "stop"],
+    cpu: int | None,
+    enable_output: bool,
+    yes: bool,
     as_json: bool,
 ) -> None:
     """Run SCENARIO, a file or the name of a bundled one, and record it.
@@ -60,8 +81,18 @@ def command(
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load_tuned(scenario, overlays, sets)
+    paced = _devices(loaded, enable_output=enable_output, yes=yes, realtime=realtime)
+    if paced is not None:
+        paced.policy, paced.cpu = policy, cpu
     with _progress(loaded) as progress:
-        finished = run_scenario(loaded, out, progress=progress, figure=figure)
+        finished = run_scenario(
+            loaded,
+            out,
+            progress=progress,
+            execute=paced,
+            deadlines=None if paced is None else paced.statistics,
+            figure=figure,
+        )
     if as_json:
         import json
 
@@ -71,6 +102,34 @@ def command(
     if finished.summary.content["message"]:
         click.echo(finished.summary.content["message"], err=True)
     sys.exit(finished.summary.status)
+
+
+def _devices(
+    scenario: Scenario, *, enable_output: bool, yes: bool, realtime: bool
+) -> PacedRun | None:
+    """Say what holds for this run's devices; what paces it, with ``--realtime``."""
+    if not realtime and all(part.kind != "device" for part in scenario.components.values()):
+        return None
+    from hil import session as sessions
+
+    session = sessions.begin(
+        sessions.Session(
+            enable_output=enable_output,
+            yes=yes,
+            prompt=_prompt if sys.stdin.isatty() else None,
+            say=lambda text: click.echo(text, err=True),
+        )
+    )
+    if not realtime:
+        return None
+    from hil.paced_run import PacedRun
+
+    return PacedRun(session, say=lambda text: click.echo(text, err=True))
+
+
+def _prompt(text: str) -> str:
+    click.echo(text, err=True, nl=False)
+    return sys.stdin.readline()
 
 
 @contextmanager

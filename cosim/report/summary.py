@@ -190,8 +190,7 @@ def _traffic(content: Mapping[str, Any]) -> str:
         ]
         lines.append(table(rows))
     if content["deadlines"]:
-        facts = ", ".join(f"{key.replace('_', ' ')} {v}" for key, v in content["deadlines"].items())
-        lines.append(f"  deadlines: {facts}")
+        lines.append(f"  deadlines: {_deadlines(content['deadlines'])}")
     return "\n".join(lines)
 
 
@@ -219,3 +218,15 @@ def _verdicts(content: Mapping[str, Any]) -> str:
 def _end(content: Mapping[str, Any]) -> str:
     state = {True: "recorded in", False: "what was reached is in"}[not content["message"]]
     return f"  {state} {content['run']}"
+
+
+def _deadlines(facts: Mapping[str, Any]) -> str:
+    """Counts as they are, latenesses (s) in microseconds; the histogram stays in the manifest."""
+    shown = [
+        f"{key.replace('_', ' ')} {value * 1e6:.0f} µs"
+        if isinstance(value, float)
+        else f"{key.replace('_', ' ')} {value}"
+        for key, value in facts.items()
+        if isinstance(value, int | float | str)
+    ]
+    return ", ".join(shown)

@@ -45,7 +45,7 @@ class HaplyDevice(Device):
             Axis(port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn)
             for i, joint in enumerate(self.file.joints)
         ]
-        self._port = SerialPort(self.address, self.pulse)
+        self._port = SerialPort(self.address, self.pulse, self.number)
         self._set_up(ZERO)
         self._exchange_zero()
 

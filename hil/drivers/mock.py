@@ -60,7 +60,9 @@ class MockDevice(Device):
         return applied
 
     def _close(self) -> None:
-        self.body = None
+        if self.body is not None:
+            self.body.close()
+            self.body = None
 
     def _model_parameters(self) -> dict[str, Any]:
         rest = {"initial_tip_position": PRESETS[self.file.preset]["rest"]}

@@ -45,9 +45,14 @@ class Control:
             raise DeviceGone(f"the emulator refused '{do}': {answer['error']}")
         return answer
 
-    def sync(self, sent: int) -> None:
-        """Wait until the emulator has dealt with ``sent`` bytes (or frames) since it started."""
-        self._exchange(SYNC + struct.pack("<q", sent))
+    def sync(self, sent: int) -> int:
+        """Wait until the emulator has dealt with ``sent`` bytes (or frames) since it started.
+
+        Returns how many it has sent itself until then: a pseudo-terminal may still be handing
+        them over.
+        """
+        (answered,) = struct.unpack("<q", self._exchange(SYNC + struct.pack("<q", sent)))
+        return int(answered)
 
     def close(self) -> None:
         """Hang up."""

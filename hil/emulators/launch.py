@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import shutil
+import socket
 import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -16,10 +17,11 @@ from typing import Any, Self
 from cosim.errors import InputError
 from hil.emulators.board import Board
 from hil.emulators.control import Control
-from hil.emulators.links import Link, PtyLink
+from hil.emulators.links import CanLink, Link, PtyLink, SlcanLink
 from hil.emulators.plant import Hand, SimulatedPantograph
 from hil.emulators.server import Server
 from hil.emulators.world import World
+from hil.realtime import freeze_garbage, real_time_priority
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +35,10 @@ class Order:
     """The simulated pantograph's parameters."""
     hand: Mapping[str, float] = field(default_factory=dict[str, float])
     """Stiffness (N/m) and damping (N.s/m) of the hand that holds the handle."""
+    operator: Mapping[str, Any] | None = None
+    """Parameters of the operator FMU that moves the handle once the run starts."""
+    priority: int = 0
+    """SCHED_FIFO priority, where it is granted; 0 for none."""
     link: str = "pty"
     options: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Of the board or of the bus."""
@@ -48,7 +54,9 @@ def make(order: Order) -> tuple[Board, Link, str]:
         raise InputError(
             f"there is no emulator '{order.name}'; there are {', '.join(sorted(BOARDS))}"
         )
-    body = SimulatedPantograph(order.parameters, hand=Hand(**order.hand), step=order.tick)
+    body = SimulatedPantograph(
+        order.parameters, hand=Hand(**order.hand), operator=order.operator, step=order.tick
+    )
     return BOARDS[order.name](order, World(body, lockstep=order.lockstep))
 
 
@@ -59,18 +67,51 @@ def _haply(_: Order, world: World) -> tuple[Board, Link, str]:
     return HaplyBoard(world), link, f"haply://{link.path}"
 
 
-BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {"haply": _haply}
+def _odrive(order: Order, world: World) -> tuple[Board, Link, str]:
+    from hil.emulators.odrive import OdriveBoard
+
+    board = OdriveBoard(world, tick=order.tick, **order.options)
+    return _on_can("odrive", order, board, board.owns)
+
+
+def _on_can(
+    name: str, order: Order, board: Board, owns: Callable[[int], bool]
+) -> tuple[Board, Link, str]:
+    """The link of a board on CAN: ``slcan`` on a pty, or a multicast group of its own."""
+    if order.link == "slcan":
+        link = SlcanLink()
+        return board, link, f"{name}+slcan://{link.path}?sleep_after_open=0"
+    if order.link not in {"pty", "udp_multicast"}:
+        raise InputError(f"a CAN emulator has the links slcan and udp_multicast, not {order.link}")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 0))
+        port: int = probe.getsockname()[1]
+    group = f"239.74.163.{2 + os.getpid() % 250}"
+    bus = CanLink(owns, interface="udp_multicast", channel=group, port=port, hop_limit=0)
+    return board, bus, f"{name}+udp_multicast://{group}:{port}"
+
+
+BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {
+    "haply": _haply,
+    "odrive": _odrive,
+}
 
 
 def serve(order: Order, folder: Path, report: Callable[[dict[str, Any]], None]) -> None:
     """Run an emulator in this process until it is told to stop; ``report`` gets its URL."""
     board, link, url = make(order)
+    if order.priority:
+        freeze_garbage()
+        real_time_priority(order.priority)
     path = folder / "control"
     server = Server(board, link, path, tick=order.tick)
     joined = "&" if "?" in url else "?"
     url += f"{joined}emulator={path}" + ("&lockstep=1" if order.lockstep else "")
     report({"url": url, "control": str(path), "home": board.world.body.angle(), "pid": os.getpid()})
-    server.run()
+    try:
+        server.run()
+    finally:
+        board.world.body.close()
 
 
 def _child(order: Order, folder: str, pipe: Connection) -> None:
@@ -106,6 +147,10 @@ class Emulator:
         self.url: str = said["url"]
         self.home: tuple[float, float] = said["home"]
         self.control = Control(said["control"])
+
+    def wait(self) -> None:
+        """Return once it has ended."""
+        self._process.join()
 
     def close(self) -> None:
         """Stop it and remove its folder."""

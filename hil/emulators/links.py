@@ -13,10 +13,11 @@ from hil.emulators.board import Frame, Unit
 
 
 class Link(ABC):
-    """One end of a wire; ``received`` counts what the host's driver counts as sent."""
+    """One end of a wire; bytes, or frames on a bus, are counted both ways."""
 
     def __init__(self) -> None:
-        self.received = 0
+        self.received: int = 0
+        self.written: int = 0
 
     @abstractmethod
     def fileno(self) -> int:
@@ -51,18 +52,26 @@ class PtyLink(Link):
 
     def read(self) -> list[Unit]:
         """The bytes that have come, as one chunk."""
-        try:
-            data = os.read(self._master, 65536)
-        except (BlockingIOError, OSError):
-            return []
+        data = self._bytes()
         self.received += len(data)
         return [data] if data else []
+
+    def _bytes(self) -> bytes:
+        try:
+            return os.read(self._master, 65536)
+        except OSError:
+            return b""
 
     def write(self, unit: Unit) -> None:
         """Send bytes; a host that never reads loses them, as on a real line."""
         assert isinstance(unit, bytes)
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._master, unit)
+        self.written += self._put(unit)
+
+    def _put(self, data: bytes) -> int:
+        try:
+            return os.write(self._master, data)
+        except BlockingIOError:
+            return 0
 
     def close(self) -> None:
         """The host's next read or write fails."""
@@ -81,20 +90,19 @@ class SlcanLink(PtyLink):
     def read(self) -> list[Unit]:
         """The frames that have come; commands to the adapter are acknowledged."""
         frames: list[Unit] = []
-        for chunk in super().read():
-            assert isinstance(chunk, bytes)
-            self._text += chunk
-        *lines, self._text = self._text.split(b"\r")
+        *lines, self._text = (self._text + self._bytes()).split(b"\r")
         for line in lines:
             frame = parse_slcan(line)
             if frame is not None:
                 frames.append(frame)
+        self.received += len(frames)
         return frames
 
     def write(self, unit: Unit) -> None:
         """Send one frame as a line."""
         assert isinstance(unit, Frame)
-        super().write(f"t{unit.identifier:03X}{len(unit.data)}{unit.data.hex()}\r".encode())
+        line = f"t{unit.identifier:03X}{len(unit.data)}{unit.data.hex()}\r".encode()
+        self.written += self._put(line) == len(line)
 
 
 def parse_slcan(line: bytes) -> Frame | None:
@@ -144,6 +152,7 @@ class CanLink(Link):
     def write(self, unit: Unit) -> None:
         """Send one frame."""
         assert isinstance(unit, Frame)
+        self.written += 1
         self._bus.send(
             self._can.Message(arbitration_id=unit.identifier, data=unit.data, is_extended_id=False)
         )

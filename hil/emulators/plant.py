@@ -6,9 +6,9 @@ The pantograph is our own model, the same that a scenario simulates; torque in, 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
 from typing import Any, Protocol
 
+from hil.emulators.model import Model
 from hil.linkage import Pair
 
 
@@ -23,9 +23,17 @@ class Body(Protocol):
         """Advance one control tick under held joint torques (N.m)."""
         ...
 
+    def start(self) -> None:
+        """What the hand has planned begins now."""
+        ...
+
+    def close(self) -> None:
+        """Free what it holds."""
+        ...
+
 
 class Hand:
-    """A hand that holds its place: F = k (x_ref - x) - b v (N), x_ref moving as told."""
+    """A hand that holds its place: F = k (x_ref - x) - b v (N)."""
 
     def __init__(self, stiffness: float = 100.0, damping: float = 3.0) -> None:
         self.stiffness, self.damping = stiffness, damping
@@ -42,9 +50,10 @@ class Hand:
 
 
 class SimulatedPantograph:
-    """The pantograph model with a hand at its tip.
+    """The pantograph FMU with a hand at its tip.
 
-    ``parameters`` are the model's; ``hand`` gives the force at the tip from position and velocity.
+    ``parameters`` are the FMU's. ``hand`` holds the handle; with ``operator``, parameters of the
+    operator FMU, that one takes over from :meth:`start` on.
     """
 
     def __init__(
@@ -52,37 +61,42 @@ class SimulatedPantograph:
         parameters: Mapping[str, Any] | None = None,
         *,
         hand: Hand | None = None,
+        operator: Mapping[str, Any] | None = None,
         step: float = 1 / 1024,
     ) -> None:
-        from fmus.development import Instance
-
-        self._model = Instance("pantograph", **(parameters or {}))
-        self._model.initialise()
+        self._model = Model("pantograph", parameters or {})
         self._hand = hand or Hand()
+        # Made now, because unpacking an FMU takes longer than a host waits for an answer.
+        self._operator = Model("operator", operator) if operator is not None else None
+        self._started = False
         self._step = step
 
     def angle(self) -> Pair:
         """True joint angles (rad)."""
-        first, second = self._model["true_joint_angle"]
-        return float(first), float(second)
+        return self._model.pair("true_joint_angle")
+
+    def start(self) -> None:
+        """The operator's time is zero now."""
+        self._started = True
 
     def step(self, torque: Pair) -> None:
         """Advance one tick."""
-        x, y = (float(value) for value in self._model["tip_position"])
-        vx, vy = (float(value) for value in self._model["tip_velocity"])
-        self._model["hand_force"] = self._hand.force((x, y), (vx, vy))
-        self._model["motor_torque"] = torque
+        position, velocity = self._model.pair("tip_position"), self._model.pair("tip_velocity")
+        self._model.set("hand_force", self._force(position, velocity))
+        self._model.set("motor_torque", torque)
         self._model.step(self._step)
 
+    def close(self) -> None:
+        """Free the models."""
+        self._model.close()
+        if self._operator is not None:
+            self._operator.close()
 
-class Encoders:
-    """Incremental encoders: counts since power-on, zero at the pose of power-on."""
-
-    def __init__(self, counts_per_turn: int, start: Pair) -> None:
-        self.counts_per_turn = counts_per_turn
-        self._start = start
-
-    def count(self, angle: Pair) -> tuple[int, int]:
-        """Whole counts for shaft angles (rad)."""
-        per = self.counts_per_turn / (2 * pi)
-        return round((angle[0] - self._start[0]) * per), round((angle[1] - self._start[1]) * per)
+    def _force(self, position: Pair, velocity: Pair) -> Pair:
+        if self._operator is None or not self._started:
+            return self._hand.force(position, velocity)
+        self._operator.set("position", position)
+        self._operator.set("velocity", velocity)
+        force = self._operator.pair("force")
+        self._operator.step(self._step)
+        return force

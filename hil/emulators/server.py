@@ -96,15 +96,20 @@ class Server:
             self._dropped = 1
             return unit[:4] + unit[5:] if isinstance(unit, bytes) else None
         fault = self._world.fault(FaultKind.CORRUPT_COMMAND)
-        return flip(unit, fault.bit) if fault else unit
+        if fault is None:
+            return unit
+        return flip(unit, fault.bit) if isinstance(unit, bytes) else None
 
     def _answer(self, unit: Unit, tick: int) -> None:
         """Send what answers something that came at ``tick``."""
         world = self._world
-        if world.fault(FaultKind.HANG, tick) or world.fault(FaultKind.DROP, tick):
+        lost = world.fault(FaultKind.HANG, tick) or world.fault(FaultKind.DROP, tick)
+        if lost or self._unplugged:
             return
         corrupt, delay = world.fault(FaultKind.CORRUPT, tick), world.fault(FaultKind.DELAY, tick)
         if corrupt:
+            if isinstance(unit, Frame):
+                return  # a bus's own checksum throws it away
             unit = flip(unit, corrupt.bit)
         if delay:
             self._late.append((world.tick + delay.delay, unit))
@@ -147,7 +152,7 @@ class Server:
         if message[:1] == SYNC:
             self._step_with(connection)
             self._sync(struct.unpack("<q", message[1:])[0])
-            answer = b"d"
+            answer = struct.pack("<q", self._link.written)
         else:
             answer = json.dumps(self._command(json.loads(message))).encode()
         with contextlib.suppress(OSError):
@@ -178,6 +183,8 @@ class Server:
         match request.pop("do"):
             case "shift":
                 world.shift = (float(request["by"][0]), float(request["by"][1]))
+            case "start":
+                world.body.start()
             case "fault":
                 kind = FaultKind(request.pop("kind"))
                 start = world.tick + int(request.pop("start", 0))
@@ -190,6 +197,7 @@ class Server:
                     self._serve_link()
                 return {
                     "received": self._link.received,
+                    "written": self._link.written,
                     "tick": world.tick,
                     "torque": world.torque,
                     "applied": world.applied,
@@ -202,10 +210,8 @@ class Server:
         return {}
 
 
-def flip(unit: Unit, bit: int) -> Unit:
-    """``unit`` with one bit of its bytes flipped."""
-    data = bytearray(unit if isinstance(unit, bytes) else unit.data)
-    if not data:
-        return unit
-    data[bit // 8 % len(data)] ^= 1 << (bit % 8)
-    return bytes(data) if isinstance(unit, bytes) else Frame(unit.identifier, bytes(data))
+def flip(data: bytes, bit: int) -> bytes:
+    """``data`` with one bit flipped."""
+    spoiled = bytearray(data)
+    spoiled[bit // 8 % len(spoiled)] ^= 1 << (bit % 8)
+    return bytes(spoiled)

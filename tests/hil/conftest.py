@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from driver_bench import Bench, Rig
 
-multiprocessing.set_forkserver_preload(["hil.emulators.launch", "fmus.development", "can"])
+multiprocessing.set_forkserver_preload(["hil.emulators.launch", "fmpy.fmi3", "can"])
 
 
 @pytest.fixture

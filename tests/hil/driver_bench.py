@@ -23,6 +23,23 @@ QUANSER = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
 SETUPS: dict[str, dict[str, Any]] = {
     "haply": {"parameters": HAPLY, "file": {"preset": "haply"}, "serial": True, "frame": 10},
 }
+
+ODRIVE_WATCHDOG = {
+    "timeout": 0.02,
+    "timeout_endpoint": 0x0101,
+    "enable_endpoint": 0x0102,
+    "proved": "2026-11-22",
+}
+SETUPS["odrive"] = {
+    "parameters": QUANSER,
+    "file": {
+        "joints": [{"counts_per_turn": 8192}, {"counts_per_turn": 8192}],
+        "settings": {"watchdog": ODRIVE_WATCHDOG},
+    },
+}
+SETUPS["odrive (slcan)"] = {**SETUPS["odrive"], "driver": "odrive", "emulator": "odrive"} | {
+    "link": "slcan"
+}
 """Per driver: the emulated pantograph's parameters, the device file, the emulator's options."""
 
 DRIVERS = sorted(SETUPS)

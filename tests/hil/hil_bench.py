@@ -31,6 +31,10 @@ class Puppet:
     def step(self, torque: Pair) -> None:
         self.torques.append(torque)
 
+    def start(self) -> None: ...
+
+    def close(self) -> None: ...
+
     def put(self, tip: Pair) -> None:
         angles = QUANSER.angles(tip)
         assert angles is not None

@@ -1,0 +1,256 @@
+"""``cohaptic device``: find devices, look at them safely, home, calibrate, emulate."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from hil.device import Device
+
+_FILE = click.option(
+    "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
+)
+_JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+
+
+@click.group("device", context_settings={"help_option_names": ["-h", "--help"]})
+def command() -> None:
+    """Real devices: find them, look at them, home, calibrate and emulate them."""
+
+
+@command.command("list")
+@_JSON
+def list_drivers(*, as_json: bool) -> None:
+    """List the drivers that are installed."""
+    from cosim.errors import InputError
+    from hil.registry import find, names
+
+    found: dict[str, dict[str, Any]] = {}
+    for name in names():
+        try:
+            kind = find(name)
+        except InputError as error:
+            found[name] = {"problem": str(error)}
+            continue
+        found[name] = {
+            "description": (sys.modules[kind.__module__].__doc__ or "").strip().splitlines()[0],
+            "latency_ticks": kind.latency_ticks,
+            "tested_on_hardware": kind.tested_on_hardware,
+        }
+    if as_json:
+        click.echo(json.dumps(found))
+        return
+    for name, facts in found.items():
+        click.echo(f"{name:10}{facts.get('problem') or facts['description']}")
+
+
+@command.command("find")
+@_JSON
+def find_ports(*, as_json: bool) -> None:
+    """Show serial ports and CAN interfaces that a device could be on."""
+    from hil.search import candidates
+
+    found = candidates()
+    if as_json:
+        click.echo(json.dumps({"candidates": found}))
+        return
+    if not found:
+        click.echo("No serial port and no CAN interface was found.")
+    for place in found:
+        click.echo(f"{place['url']:40}{place['description']}")
+
+
+@command.command("check")
+@click.argument("url")
+@_FILE
+@click.option("--seconds", default=5.0, show_default=True, help="How long to look.")
+@_JSON
+def check_device(url: str, file: Path | None, seconds: float, *, as_json: bool) -> None:
+    """Read the device at URL while you move the handle; it is sent nothing but zero torque."""
+    from dataclasses import asdict
+
+    from hil.bench_test import check
+
+    with _opened(url, file) as device:
+        for warning in device.warnings():
+            click.echo(warning, err=True)
+        click.echo(f"Move the handle of {device.name}; it gets zero torque.", err=True)
+        seen = check(device, seconds, None if as_json else _show)
+    if as_json:
+        click.echo(json.dumps(asdict(seen)))
+    else:
+        click.echo(
+            f"\n{seen.samples} samples in {seen.exchanges} exchanges, {seen.rate:.0f} a second, "
+            f"oldest data {seen.oldest_sample} ticks; one exchange takes "
+            f"{seen.median * 1e6:.0f} µs (median), {seen.p99 * 1e6:.0f} (p99), "
+            f"{seen.worst * 1e6:.0f} (worst)\n"
+            f"joint 1 from {seen.lowest[0]:.4f} to {seen.highest[0]:.4f} rad, "
+            f"joint 2 from {seen.lowest[1]:.4f} to {seen.highest[1]:.4f} rad"
+        )
+    if seen.fault is not None:
+        click.echo(seen.fault, err=True)
+        sys.exit(1)
+
+
+@command.command("home")
+@click.argument("url")
+@_FILE
+@click.option("--yes", is_flag=True, help="The handle is at its home pose already.")
+def home_device(url: str, file: Path | None, *, yes: bool) -> None:
+    """Take the present pose of the device at URL as the home pose, and show where the tip is."""
+    with _opened(url, file) as device:
+        if not yes:
+            click.prompt("Hold the handle at its home pose and press Enter", "", err=True)
+        device.home()
+        angle = device.read(0).joint_angle
+        tip = device.file.linkage.tip(angle)
+    assert tip is not None, "homing has checked the pose"
+    click.echo(
+        f"homed at {angle[0]:.4f} and {angle[1]:.4f} rad, tip at {tip[0] * 1e3:.1f}, "
+        f"{tip[1] * 1e3:.1f} mm; a device keeps this only until its port is opened again"
+    )
+
+
+@command.command("calibrate")
+@click.argument("url")
+@click.argument("output", type=click.Path(path_type=Path))
+@_FILE
+@click.option("--home", nargs=2, type=float, required=True, help="Joint angles of the pose (rad).")
+@click.option("--serial", help="The device's serial number, to refuse another one later.")
+@click.option("--estop", is_flag=True, help="You have a switch that cuts the motors' power.")
+@click.option("--yes", is_flag=True, help="Keep the directions; ask nothing.")
+def calibrate_device(
+    url: str,
+    output: Path,
+    file: Path | None,
+    home: tuple[float, float],
+    serial: str | None,
+    *,
+    estop: bool,
+    yes: bool,
+) -> None:
+    """Write the device file OUTPUT: directions by moving each joint, home pose, serial, date."""
+    from datetime import UTC, datetime
+
+    from hil.calibration import directions
+    from hil.device_file import save
+
+    with _opened(url, file) as device:
+        signs = (1, 1) if yes else directions(device, _ask)
+        document: dict[str, Any] = {
+            "cohaptic_device": 1,
+            "driver": device.driver,
+            "preset": device.file.preset,
+            "date": datetime.now(UTC).date().isoformat(),
+            "home": list(home),
+            "joints": [
+                {"direction": sign, "counts_per_turn": joint.counts_per_turn}
+                for sign, joint in zip(signs, device.file.joints, strict=True)
+            ],
+        }
+    if serial is not None:
+        document["serial"] = serial
+    if estop:
+        document["estop"] = "confirmed"
+    save(output, document)
+    click.echo(f"wrote {output}")
+
+
+@command.command("emulate")
+@click.argument("name")
+@click.option("--scenario", help="Take pantograph and operator from this scenario ...")
+@click.option("--component", help="... namely this component and the operator that moves it.")
+@click.option("--lockstep", is_flag=True, help="Advance only as the driver exchanges.")
+@click.option("--link", default="pty", show_default=True, help="pty, slcan or udp_multicast.")
+@click.option("--file", "output", type=click.Path(path_type=Path), help="Write its device file.")
+@click.option("--fault", help="A fault to have, such as drop, hang, unplug, runaway.")
+@click.option("--after", default=0, show_default=True, help="Ticks until the fault begins.")
+def emulate_device(
+    name: str,
+    *,
+    scenario: str | None,
+    component: str | None,
+    link: str,
+    output: Path | None,
+    fault: str | None,
+    after: int,
+    lockstep: bool,
+) -> None:
+    """Emulate the device NAME in a process that speaks its real bytes, until Ctrl-C.
+
+    Prints one JSON object with the URL that a scenario or ``device check`` takes.
+    """
+    from hil.emulators.launch import Emulator, Order
+
+    pantograph, operator = _from_scenario(scenario, component)
+    order = Order(
+        name=name,
+        lockstep=lockstep,
+        parameters=pantograph,
+        operator=operator,
+        link=link,
+        priority=0 if lockstep else 60,
+    )
+    with Emulator(order) as emulator:
+        if fault is not None:
+            emulator.control.ask("fault", kind=fault, start=after)
+        if output is not None:
+            _write_emulated_file(output, name, emulator.home)
+        click.echo(json.dumps({"url": emulator.url, "home": emulator.home}))
+        sys.stdout.flush()
+        try:
+            emulator.wait()
+        except KeyboardInterrupt:
+            click.echo("stopped", err=True)
+
+
+def _write_emulated_file(output: Path, name: str, home: tuple[float, float]) -> None:
+    from hil.device_file import save
+
+    save(output, {"driver": name, "preset": "quanser", "home": list(home)})
+
+
+def _from_scenario(
+    scenario: str | None, component: str | None
+) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
+    from cosim.errors import InputError
+    from cosim.scenario import load
+
+    if scenario is None or component is None:
+        return {"initial_tip_position": (0.0425, 0.2)}, None
+    loaded = load(scenario)
+    if component not in loaded.components:
+        raise InputError(f"{scenario} has no component '{component}'")
+    movers = [
+        connection.source.component
+        for connection in loaded.connections
+        if connection.target.component == component and connection.target.path == "hand_force"
+    ]
+    operator = loaded.components[movers[0]].parameters if movers else None
+    return loaded.components[component].parameters, operator
+
+
+def _opened(url: str, file: Path | None) -> Device:
+    from hil.address import parse
+    from hil.device_file import default, load
+    from hil.registry import find
+
+    address = parse(url)
+    kind = find(address.driver)
+    device = kind(address, load(file) if file is not None else default(kind.driver))
+    device.configure()
+    return device
+
+
+def _show(angle: tuple[float, float], age: int) -> None:
+    click.echo(f"\r{angle[0]:9.4f} {angle[1]:9.4f} rad   age {age} ticks ", err=True, nl=False)
+
+
+def _ask(text: str) -> None:
+    click.prompt(text, "", err=True)

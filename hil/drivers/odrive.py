@@ -1,0 +1,191 @@
+"""``odrive+socketcan://can0?nodes=0,1``: two ODrive axes on CAN, one node a joint.
+
+Encoder estimates come cyclically, so what is read at a tick may be a tick old. Any frame to an axis
+feeds its watchdog: nothing is polled, and after a fault nothing is sent once the axes are idle.
+Axis heartbeats have to come at least every 10 ms (``heartbeat_msg_rate_ms``), estimates every 1 ms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Any, ClassVar
+
+from cosim.errors import InputError
+from hil.address import numbers
+from hil.canbus import CanBus, open_bus
+from hil.contract import ZERO, Sample, State, Watchdog
+from hil.conversion import TorqueDrive
+from hil.device import Device
+from hil.errors import BoardError, DeviceError
+from hil.linkage import Pair
+from hil.protocols import odrive as wire
+from hil.protocols.odrive import Command, identifier
+
+FRAMES = (8, 4, 8, 4)
+"""Data bytes on the bus in a tick: estimates and torque, per axis."""
+WAIT_TICKS = 400
+"""Exchanges within which an axis has to answer during set-up."""
+
+
+class OdriveDevice(Device):
+    """Two axes in torque mode; the file's ``settings`` may give ``current_limit``, ``watchdog``."""
+
+    driver = "odrive"
+    latency_ticks: ClassVar[int] = 1
+    zero_is_measured: ClassVar[bool] = True
+
+    _bus: CanBus | None = None
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """Off in a new ODrive; verified once ``check`` has seen it fire (``proved``)."""
+        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
+        timeout = settings.get("timeout")
+        if timeout is None:
+            return Watchdog()
+        return Watchdog(timeout=float(timeout), verified=bool(settings.get("proved")))
+
+    def _open(self) -> None:
+        self._nodes = numbers(self.address, "nodes", 2, (0, 1))
+        self._seen = dict.fromkeys(self._nodes, 0)
+        self._beats = dict.fromkeys(self._nodes, 0)
+        self._states = dict.fromkeys(self._nodes, 0)
+        self._sequence, self._closed = 0, False
+        self._bus = open_bus(self.address, self.pulse)
+        self._bus.join(self, FRAMES, 1 / self.tick)
+        for node in self._nodes:
+            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+            self._to(node, Command.CLEAR_ERRORS)
+            self._to(node, Command.SET_MODES, wire.set_modes())
+            self._to(node, Command.SET_LIMITS, self._limits())
+            self._set_watchdog(node)
+        self._bus.keep_step()
+        self._until(self._all_idle, "its axes do not report to be idle")
+        self._until(self._all_measured, "its axes send no encoder estimates")
+
+    def _limits(self) -> bytes:
+        turns = self.file.limits.joint_speed / (2 * pi)
+        return wire.set_limits(turns, float(self.file.settings.get("current_limit", 10.0)))
+
+    def _set_watchdog(self, node: int) -> None:
+        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
+        if "timeout" not in settings:
+            return
+        for name, value in (("timeout", float(settings["timeout"])), ("enable", True)):
+            endpoint = settings.get(f"{name}_endpoint")
+            if endpoint is not None:
+                self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(int(endpoint), value))
+
+    def _receive(self) -> Sample | None:
+        bus = self._opened()
+        bus.collect(self)
+        self._take_heartbeats(bus)
+        frames = [bus.latest(identifier(node, Command.ESTIMATES)) for node in self._nodes]
+        if any(
+            frame is None or frame[0] == self._seen[node]
+            for node, frame in zip(self._nodes, frames, strict=True)
+        ):
+            return None
+        turns: list[float] = []
+        for node, frame in zip(self._nodes, frames, strict=True):
+            assert frame is not None
+            self._seen[node] = frame[0]
+            turns.append(wire.estimates(frame[1])[0])
+        self._sequence += 1
+        first, second = (
+            round(turn * joint.counts_per_turn)
+            for turn, joint in zip(turns, self.file.joints, strict=True)
+        )
+        return Sample(
+            shaft_angle=(2 * pi * turns[0], 2 * pi * turns[1]),
+            count=(first, second),
+            sequence=self._sequence,
+        )
+
+    def _take_heartbeats(self, bus: CanBus) -> None:
+        fresh = 0
+        for node in self._nodes:
+            frame = bus.latest(identifier(node, Command.HEARTBEAT))
+            if frame is None or frame[0] == self._beats[node]:
+                continue
+            self._beats[node] = frame[0]
+            error, self._states[node] = wire.heartbeat(frame[1])
+            fresh += 1
+            if not self._closed:
+                error &= ~wire.WATCHDOG_EXPIRED  # an idle axis that nobody talks to; it is cleared
+            if error and self.state is not State.FAULT:
+                raise BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
+            if self._closed and self._states[node] != wire.CLOSED_LOOP:
+                raise BoardError(f"ODrive axis {node} left closed loop")
+        if fresh and self._all_idle():
+            self.zeros_confirmed += 1
+
+    def _send(self, tick: int, torque: Pair) -> Pair:
+        sent: list[float] = []
+        for node, joint, value in zip(self._nodes, self.file.joints, torque, strict=True):
+            drive = joint.drive
+            if not isinstance(drive, TorqueDrive):
+                raise InputError("an ODrive takes torque: its 'drive' has a gear and a direction")
+            code = drive.encode(value)
+            self._to(node, Command.SET_TORQUE, wire.set_torque(code))
+            sent.append(drive.decode(code))
+        return sent[0], sent[1]
+
+    def _send_zero(self) -> None:
+        """Zero, then idle; silence afterwards, because any frame would feed the watchdog."""
+        self._closed = False
+        for node in self._nodes:
+            if self._states[node] != wire.IDLE:
+                self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+                self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+
+    def _enter(self) -> None:
+        for node in self._nodes:
+            self._to(node, Command.CLEAR_ERRORS)
+            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, Command.SET_STATE, wire.set_state(wire.CLOSED_LOOP))
+        self._until(
+            lambda: set(self._states.values()) == {wire.CLOSED_LOOP},
+            "its axes do not enter closed loop (are they calibrated?)",
+            keep=lambda: self._send(0, ZERO),
+        )
+        self._closed = True
+
+    def _leave(self) -> None:
+        self._send_zero()
+
+    def _take_over(self) -> None:
+        self._states = dict.fromkeys(self._nodes, 0)
+        self._opened().take_over()
+
+    def _close(self) -> None:
+        if self._bus is not None:
+            self._bus.leave(self)
+            self._bus = None
+
+    def _until(
+        self, done: Callable[[], bool], otherwise: str, keep: Callable[[], object] | None = None
+    ) -> None:
+        for _ in range(WAIT_TICKS):
+            self._receive()
+            if done():
+                return
+            if keep is not None:
+                keep()
+            self.pause()
+        raise DeviceError(f"{self.name}: {otherwise}")
+
+    def _all_idle(self) -> bool:
+        return set(self._states.values()) == {wire.IDLE}
+
+    def _all_measured(self) -> bool:
+        return all(self._seen.values())
+
+    def _to(self, node: int, command: Command, data: bytes = b"") -> None:
+        self._opened().send(identifier(node, command), data)
+
+    def _opened(self) -> CanBus:
+        assert self._bus is not None, "configure comes first"
+        return self._bus

@@ -1,0 +1,153 @@
+"""A device in a scenario, over real bytes: the record is the simulation's, but for its encoders.
+
+In lock-step nothing depends on a clock, so the bound is tight; the paced run is the same command
+that a lab uses, on whatever machine the tests run on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from driver_bench import QUANSER
+
+from cosim.cli import cli
+from cosim.record.reader import open_run
+from cosim.scenario import load
+from hil.device_file import save
+from hil.emulators.launch import Emulator, Order
+from hil.realtime import real_time_priority
+
+DURATION = "1.6 s"
+TICKS = 1639
+FREE_TICKS = 1000
+COUNT = 2 * np.pi / 20000
+RUN = ("run", "two_users_box", "--duration", DURATION, "--no-figure", "--json")
+LIMITS = {"torque": 0.25, "continuous_torque": 0.2, "slew": 1000.0, "tip_speed": 2.0}
+FINGER, WORKSTATION = "finger_a1", "vr_a"
+
+
+def emulated(*, lockstep: bool) -> Emulator:
+    """A board that moves the very pantograph and operator that the scenario has."""
+    scenario = load("two_users_box")
+    pantograph = scenario.components[FINGER].parameters
+    return Emulator(
+        Order(
+            name="haply",
+            lockstep=lockstep,
+            priority=0 if lockstep else 65,
+            parameters={**QUANSER, **pantograph},
+            operator=scenario.components["operator_a1"].parameters,
+        )
+    )
+
+
+def device_file(folder: Path, emulator: Emulator) -> Path:
+    path = folder / "device.yaml"
+    document = {
+        "driver": "haply",
+        "preset": "quanser",
+        "home": list(emulator.home),
+        "limits": LIMITS,
+    }
+    document["loosened"] = dict.fromkeys(document["limits"], "an emulator hurts nobody")
+    save(path, document)
+    return path
+
+
+def attempt(folder: Path, *options: str) -> tuple[int, dict]:
+    done = CliRunner().invoke(
+        cli,
+        [*RUN, *options, "--out", str(folder)],
+        catch_exceptions=False,
+        standalone_mode=False,
+    )
+    return done.exit_code, json.loads(done.stdout)
+
+
+def run(folder: Path, *options: str) -> dict:
+    status, summary = attempt(folder, *options)
+    assert status == 0, summary["message"]
+    return summary
+
+
+def swapped(folder: Path, emulator: Emulator) -> list[str]:
+    mapping = f"{{url: '{emulator.url}', file: '{device_file(folder, emulator)}'}}"
+    return [
+        *("--set", f"components.{FINGER}.device={mapping}"),
+        *("--set", "components.operator_a1=~"),
+        *("--enable-output", "--yes"),
+    ]
+
+
+def signal(folder: Path, name: str) -> np.ndarray:
+    with open_run(folder) as record:
+        return np.asarray(record[name].values)
+
+
+TWIN = f"""
+components:
+  finger_a1: {{parameters: {{computation_delay_ticks: 1}}}}
+  safety: {{
+    python: "hil.safety_component:Safety", station: station_a, rate: control, parameters: {LIMITS}
+  }}
+connections:
+  - {{remove: finger_a1.device}}
+  - finger_a1.joint_angle -> safety.joint_angle
+  - vr_a.finger_1.motor_torque -> safety.command
+  - safety.motor_torque -> finger_a1.motor_torque
+"""
+"""The simulated finger with what the device has besides: latency, and the safety layer."""
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("simulated")
+    (folder / "twin.yaml").write_text(TWIN)
+    run(folder / "run", "--with", str(folder / "twin.yaml"))
+    return folder / "run"
+
+
+def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path, simulated):
+    with emulated(lockstep=True) as emulator:
+        run(tmp_path / "run", *swapped(tmp_path, emulator))
+        assert emulator.control.ask("state")["torque"] == [0.0, 0.0]
+    finger = [
+        signal(folder, "finger_a1.joint_angle[1]") for folder in (simulated, tmp_path / "run")
+    ]
+    apart = np.abs(finger[1] - finger[0])
+    assert apart[:FREE_TICKS].max() < 2 * COUNT, "in free motion they are two counts apart at most"
+    # From the first touch on, half a count is another moment of contact and another slide of the
+    # fingertip: the bound is what that makes of the box in half a second.
+    for name, bound in (("x", 1.5e-3), ("y", 1.5e-3), ("theta", 0.02)):
+        expected = signal(simulated, f"vr_a.box_pose.{name}")
+        found = signal(tmp_path / "run", f"vr_a.box_pose.{name}")
+        assert np.abs(found - expected).max() < bound, name
+    assert signal(simulated, "vr_a.finger_1.normal_force").max() > 0.5, "it has to touch the box"
+
+
+def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path):
+    """Void on a busy machine: a board that answers 3 ms late faults, as it has to."""
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    allowed = real_time_priority(1).granted
+    os.sched_setscheduler(0, before[0], before[1])
+    for number in range(3):
+        folder = tmp_path / f"run{number}"
+        with emulated(lockstep=False) as emulator:
+            status, summary = attempt(folder, *swapped(tmp_path, emulator), "--realtime")
+        if status == 0:
+            break
+        timing = ("no whole answer", "late", "stood still", "observed")
+        assert any(word in summary["message"] for word in timing), summary["message"]
+    else:
+        busy = os.getloadavg()[0] > 0.75 * (os.cpu_count() or 1)
+        assert busy or not allowed, "an idle machine with real-time priority has to keep up"
+        pytest.skip("the machine was too busy, three times")
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["deadlines"]["ticks"] == summary["ticks"] == TICKS
+    assert np.isfinite(signal(folder, "vr_a.box_pose.y")).all()
+    assert set(signal(folder, "finger_a1.status")) == {11}
