@@ -74,6 +74,14 @@ def _odrive(order: Order, world: World) -> tuple[Board, Link, str]:
     return _on_can("odrive", order, board, board.owns)
 
 
+def _cobs(order: Order, world: World) -> tuple[Board, Link, str]:
+    from hil.emulators.cobs import CobsBoard, FirmwareBoard
+
+    link = PtyLink()
+    kind = FirmwareBoard if "firmware" in order.options else CobsBoard
+    return kind(world, tick=order.tick, **order.options), link, f"cobs://{link.path}"
+
+
 def _on_can(
     name: str, order: Order, board: Board, owns: Callable[[int], bool]
 ) -> tuple[Board, Link, str]:
@@ -92,6 +100,7 @@ def _on_can(
 
 
 BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {
+    "cobs": _cobs,
     "haply": _haply,
     "odrive": _odrive,
 }

@@ -24,6 +24,12 @@ SETUPS: dict[str, dict[str, Any]] = {
     "haply": {"parameters": HAPLY, "file": {"preset": "haply"}, "serial": True, "frame": 10},
 }
 
+SETUPS["cobs"] = {
+    "parameters": QUANSER,
+    "file": {"joints": [{"counts_per_turn": 20000}, {"counts_per_turn": 20000}]},
+    "serial": True,
+    "frame": 18,
+}
 ODRIVE_WATCHDOG = {
     "timeout": 0.02,
     "timeout_endpoint": 0x0101,

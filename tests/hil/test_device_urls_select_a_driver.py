@@ -40,7 +40,7 @@ def test_options_that_do_not_fit_are_refused():
 
 
 def test_drivers_are_found_by_entry_point():
-    assert {"mock", "haply", "odrive"} <= set(names())
+    assert {"mock", "haply", "odrive", "cobs"} <= set(names())
     assert find("mock") is MockDevice
     with pytest.raises(InputError, match="did you mean 'haply'"):
         find("haptly")

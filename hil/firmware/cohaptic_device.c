@@ -1,0 +1,118 @@
+#include "cohaptic_device.h"
+
+enum { COMMAND = 0x01, REPLY = 0x81, COMMAND_BYTES = 16, REPLY_PLAIN = 20 }; /* with their checksums */
+static const uint16_t LONGEST_WATCHDOG_MS = 100;
+
+static uint16_t crc16(const uint8_t *data, size_t length) {
+    uint16_t crc = 0xFFFF;
+    for (size_t i = 0; i < length; i++) {
+        crc ^= (uint16_t)(data[i] << 8);
+        for (int bit = 0; bit < 8; bit++) {
+            crc = (uint16_t)(crc & 0x8000 ? (crc << 1) ^ 0x1021 : crc << 1);
+        }
+    }
+    return crc;
+}
+
+static void copy(void *to, const void *from, size_t length) {
+    for (size_t i = 0; i < length; i++) ((uint8_t *)to)[i] = ((const uint8_t *)from)[i];
+}
+
+/* Returns the plain length, 0 where the bytes cannot have been stuffed. */
+static size_t unstuff(const uint8_t *data, size_t length, uint8_t *plain) {
+    size_t place = 0, written = 0;
+    while (place < length) {
+        size_t size = data[place];
+        if (size == 0 || place + size > length) return 0;
+        for (size_t i = 1; i < size; i++) plain[written++] = data[place + i];
+        place += size;
+        if (place < length) plain[written++] = 0;
+    }
+    return written;
+}
+
+static size_t stuff(const uint8_t *plain, size_t length, uint8_t *out) {
+    size_t code = 0, written = 1;
+    for (size_t i = 0; i < length; i++) {
+        if (plain[i] == 0) {
+            out[code] = (uint8_t)(written - code);
+            code = written++;
+        } else {
+            out[written++] = plain[i];
+        }
+    }
+    out[code] = (uint8_t)(written - code);
+    out[written++] = 0;
+    return written;
+}
+
+/* A number that is none, or larger than any motor here can give, is no torque. */
+static int is_torque(float value) { return value > -10.0f && value < 10.0f; }
+
+static void stop(Device *device) { device->torque[0] = device->torque[1] = 0.0f; }
+
+void device_init(Device *device) {
+    for (size_t i = 0; i < sizeof *device; i++) ((uint8_t *)device)[i] = 0;
+}
+
+static int take(Device *device, const uint8_t *plain, uint32_t now_us) {
+    float torque[2];
+    copy(torque, plain + 4, sizeof torque);
+    if (!is_torque(torque[0]) || !is_torque(torque[1])) return 0;
+    uint8_t flags = plain[1];
+    uint16_t watchdog = (uint16_t)(plain[12] | plain[13] << 8);
+    if (watchdog == 0 || watchdog > LONGEST_WATCHDOG_MS) watchdog = LONGEST_WATCHDOG_MS;
+    device->watchdog_ms = watchdog;
+    device->last_command_us = now_us;
+    if (flags & DEVICE_CLEAR) device->fired = 0;
+    device->enabled = (flags & DEVICE_ENABLE) && !device->fired;
+    if (device->enabled) {
+        device->torque[0] = torque[0];
+        device->torque[1] = torque[1];
+    } else {
+        stop(device);
+    }
+    return 1;
+}
+
+static size_t answer(const Device *device, const uint8_t *command, uint32_t now_us,
+                     const int32_t count[2], uint8_t *reply) {
+    uint8_t plain[REPLY_PLAIN] = {REPLY};
+    int zero = device->torque[0] == 0.0f && device->torque[1] == 0.0f;
+    plain[1] = (uint8_t)((device->enabled ? DEVICE_ENABLED : 0) |
+                         (device->fired ? DEVICE_WATCHDOG_FIRED : 0) | (zero ? DEVICE_ZERO : 0));
+    plain[2] = command[2];
+    plain[3] = command[3];
+    copy(plain + 4, &now_us, 4);
+    copy(plain + 8, count, 8);
+    uint16_t crc = crc16(plain, REPLY_PLAIN - 2);
+    plain[REPLY_PLAIN - 2] = (uint8_t)crc;
+    plain[REPLY_PLAIN - 1] = (uint8_t)(crc >> 8);
+    return stuff(plain, REPLY_PLAIN, reply);
+}
+
+size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32_t count[2],
+                      uint8_t reply[DEVICE_REPLY_BYTES]) {
+    device_tick(device, now_us);
+    if (byte != 0) {
+        if (device->length == DEVICE_LONGEST_FRAME) device->overflow = 1;
+        else device->pending[device->length++] = byte;
+        return 0;
+    }
+    uint8_t plain[DEVICE_LONGEST_FRAME];
+    size_t length = device->overflow ? 0 : unstuff(device->pending, device->length, plain);
+    device->length = device->overflow = 0;
+    if (length != COMMAND_BYTES || plain[0] != COMMAND) return 0;
+    uint16_t given = (uint16_t)(plain[length - 2] | plain[length - 1] << 8);
+    if (crc16(plain, length - 2) != given || !take(device, plain, now_us)) return 0;
+    return answer(device, plain, now_us, count, reply);
+}
+
+void device_tick(Device *device, uint32_t now_us) {
+    if (device->watchdog_ms == 0 || device->fired) return;
+    if (now_us - device->last_command_us > 1000u * device->watchdog_ms) {
+        device->fired = device->enabled;
+        device->enabled = 0;
+        stop(device);
+    }
+}
