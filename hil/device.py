@@ -68,8 +68,6 @@ class Device(ABC):
     """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
     native_period_ticks: ClassVar[float] = 1.0
     """How often the device has a new sample, in control ticks."""
-    zero_is_measured: ClassVar[bool] = False
-    """Whether a confirmed zero means that the motors are without power, not only the command."""
     in_process: ClassVar[bool] = False
     """Whether there is no hardware and no other process behind it (``mock``)."""
     tested_on_hardware: ClassVar[bool] = False
@@ -528,7 +526,8 @@ class Device(ABC):
     def _settle(self) -> None:
         assert self.fault is not None
         confirmed = self.zeros_confirmed > self._zeros_before
-        if confirmed and (self.zero_is_measured or not self.fault.cause.is_motion):
+        # A device that moved as no command explains is not believed when it says that it is at zero.
+        if confirmed and (self.in_process or not self.fault.cause.is_motion):
             self.outcome = Outcome.ZERO_CONFIRMED
         elif self.outcome_ticks >= SETTLE_TICKS:
             trusted = self.watchdog.verified and not self.fault.cause.is_motion

@@ -28,7 +28,6 @@ class CobsDevice(Device):
 
     driver = "cobs"
     latency_ticks: ClassVar[int] = 1
-    zero_is_measured: ClassVar[bool] = True
 
     _port: SerialPort | None = None
 

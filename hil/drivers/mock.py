@@ -17,7 +17,6 @@ class MockDevice(Device):
 
     driver = "mock"
     in_process: ClassVar[bool] = True
-    zero_is_measured: ClassVar[bool] = True
     tested_on_hardware: ClassVar[bool] = True
 
     body: Body | None = None

@@ -33,7 +33,6 @@ class OdriveDevice(Device):
 
     driver = "odrive"
     latency_ticks: ClassVar[int] = 1
-    zero_is_measured: ClassVar[bool] = True
 
     _bus: CanBus | None = None
 
