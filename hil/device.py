@@ -526,7 +526,7 @@ class Device(ABC):
     def _settle(self) -> None:
         assert self.fault is not None
         confirmed = self.zeros_confirmed > self._zeros_before
-        # A device that moved as no command explains is not believed when it says that it is at zero.
+        # A device that moved as no command explains is not believed when it says it is at zero.
         if confirmed and (self.in_process or not self.fault.cause.is_motion):
             self.outcome = Outcome.ZERO_CONFIRMED
         elif self.outcome_ticks >= SETTLE_TICKS:

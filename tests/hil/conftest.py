@@ -8,7 +8,15 @@ from collections.abc import Iterator
 import pytest
 from driver_bench import Bench, Rig
 
+from hil.session import Session, begin
+
 multiprocessing.set_forkserver_preload(["hil.emulators.launch", "fmpy.fmi3", "can"])
+
+
+@pytest.fixture(autouse=True)
+def dry_session() -> None:
+    """What an earlier test allowed its devices does not hold for the next one's."""
+    begin(Session())
 
 
 @pytest.fixture
