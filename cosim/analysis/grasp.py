@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from importlib import import_module
 from itertools import permutations
 from typing import Literal
 
@@ -70,7 +71,7 @@ class Grasp:
         )
 
     def _each(self, name: str) -> Real:
-        return np.array([_number(part, name) for part in self.workstations])
+        return np.array([parameter(part, name) for part in self.workstations])
 
 
 def find_grasp(scenario: Scenario) -> Grasp:
@@ -136,21 +137,22 @@ def _timing(scenario: Scenario, workstations: tuple[Component, ...], control: in
     )
 
 
-def _number(component: Component, name: str) -> float:
+def parameter(component: Component, name: str) -> float:
+    """A parameter of one of our models: the scenario's value, or the model's own start value."""
     value = component.parameters.get(name)
     if value is None:
-        value = _starts()[name]
+        value = _starts(component.source)[name]
     assert isinstance(value, int | float), f"{component.name}.{name} is {value!r}"
     return float(value)
 
 
 @cache
-def _starts() -> dict[str, float]:
-    from fmus.distributed_workstation.variables import MODEL
+def _starts(model: str) -> dict[str, float]:
     from fmus.layout import Layout
 
+    found = import_module(f"fmus.{model}.variables").MODEL
     return {
         element.name: float(element.start)
-        for element in Layout(MODEL).elements
+        for element in Layout(found).elements
         if isinstance(element.start, int | float)
     }

@@ -17,13 +17,18 @@ import click
 @click.option("--workers", type=click.IntRange(1), help="Runs at a time. [default: processors]")
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as one JSON object.")
 def command(out: Path | None, workers: int | None, *, as_json: bool) -> None:
-    """Rerun the experiments of chapters 7 and 8 and write one page of statements and figures.
+    """Rerun the experiments of chapters 7 and 8, and what lies past them, onto one page.
 
     Exit status: 0 where every statement was decided, 1 where a run failed or one could not be.
     """
     from cosim.record.folder import new_folder
+    from cosim.record.manifest import write_json
+    from cosim.thesis.beyond import sweep
+    from cosim.thesis.beyond_figures import draw_beyond
     from cosim.thesis.experiments import Ran, run_all
+    from cosim.thesis.extensions import EXTENSION_EXPERIMENTS, EXTENSIONS
     from cosim.thesis.figures import draw_figures
+    from cosim.thesis.findings import BeyondPart
     from cosim.thesis.page import write_page
     from cosim.thesis.statements import EXPERIMENTS, decide
 
@@ -32,16 +37,22 @@ def command(out: Path | None, workers: int | None, *, as_json: bool) -> None:
     def told(ran: Ran) -> None:
         click.echo(f"  {ran.name}{': ' + ran.failure if ran.failure else ''}", err=True)
 
+    names = dict.fromkeys((*EXPERIMENTS, *EXTENSION_EXPERIMENTS))
     runs = run_all(
-        {name: (f"thesis/{name}", ()) for name in EXPERIMENTS}, folder, workers=workers, told=told
+        {name: (f"thesis/{name}", ()) for name in names}, folder, workers=workers, told=told
     )
-    decided = decide(
-        {name: ran.summary for name, ran in runs.items()},
-        {name: ran.failure for name, ran in runs.items() if ran.failure},
-    )
+    summaries = {name: ran.summary for name, ran in runs.items()}
+    failures = {name: ran.failure for name, ran in runs.items() if ran.failure}
+    decided = [*decide(summaries, failures)]
+    extended = [*decide(summaries, failures, EXTENSIONS)]
+    click.echo("  sweeps", err=True)
+    found = sweep(workers)
+    write_json(folder / "sweeps.json", found.as_json())
     figures = {name: folder / file for name, file in draw_figures(runs, folder).items()}
     page = folder / "thesis.html"
-    write_page(page, decided, runs, figures)
+    beyond = BeyondPart(extended, found, draw_beyond(found, folder))
+    write_page(page, decided, runs, figures, beyond)
+    decided += extended
     if as_json:
         import json
 

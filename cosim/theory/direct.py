@@ -22,10 +22,12 @@ class _Plant:
 
     masses: list[float]
     dampings: list[float]
+    stiffnesses: list[float]
 
-    def add(self, mass: float, damping: float) -> int:
+    def add(self, mass: float, damping: float, stiffness: float = 0.0) -> int:
         self.masses.append(mass)
         self.dampings.append(damping)
+        self.stiffnesses.append(stiffness)
         return len(self.masses) - 1
 
     @property
@@ -34,8 +36,10 @@ class _Plant:
 
     def matrix(self) -> Real:
         A = np.zeros((self.size, self.size))
-        for body, (mass, damping) in enumerate(zip(self.masses, self.dampings, strict=True)):
+        bodies = zip(self.masses, self.dampings, self.stiffnesses, strict=True)
+        for body, (mass, damping, stiffness) in enumerate(bodies):
             A[2 * body, 2 * body + 1] = 1.0
+            A[2 * body + 1, 2 * body] = -stiffness / mass
             A[2 * body + 1, 2 * body + 1] = -damping / mass
         return A
 
@@ -85,9 +89,9 @@ def direct_model(
         push_hands: users on whose hand the external constant force of 1 N acts.
         push_objects: whether it acts on every object copy as well.
     """
-    plant = _Plant([], [])
+    plant = _Plant([], [], [])
     hands: list[int | None] = [
-        plant.add(float(model.hand_mass[m]), float(model.hand_damping[m]))
+        plant.add(float(model.hand_mass[m]), float(model.hand_damping[m]), model.hand_stiffness)
         if model.present[m]
         else None
         for m in range(model.users)

@@ -133,6 +133,11 @@ def assemble(model: Model, timing: Timing) -> Assembly:
     return Assembly(tuple(stations), tuple(links), model.users, samples, period)
 
 
+def _hand(model: Model, user: int) -> tuple[float, float, float]:
+    """A hand's mass, damping and stiffness."""
+    return float(model.hand_mass[user]), float(model.hand_damping[user]), model.hand_stiffness
+
+
 def _delay(timing: Timing, source: int, target: int) -> int:
     return timing.delay.forward if source < target else timing.delay.backward
 
@@ -155,7 +160,7 @@ def _distributed(model: Model, timing: Timing, period: float) -> tuple[list[Stat
             held.append((model.wall_stiffness, model.wall_damping))
         stations.append(
             object_station(
-                hand=(model.hand_mass[m], model.hand_damping[m]) if model.present[m] else None,
+                hand=_hand(model, m) if model.present[m] else None,
                 local=(model.local_stiffness[m], model.local_damping[m]),
                 object_mass=model.object_mass[m],
                 compensation=model.compensation[m],
@@ -189,7 +194,7 @@ def _centralized(
         held.append((model.wall_stiffness, model.wall_damping))
     stations = [
         object_station(
-            hand=(model.hand_mass[0], model.hand_damping[0]) if model.present[0] else None,
+            hand=_hand(model, 0) if model.present[0] else None,
             local=(model.stiffness[0], model.damping[0]),
             object_mass=model.object_mass,
             compensation=model.compensation,
@@ -200,7 +205,7 @@ def _centralized(
     ]
     links: list[Link] = []
     for number, m in enumerate(remote):
-        stations.append(hand_alone(model.hand_mass[m], model.hand_damping[m], period))
+        stations.append(hand_alone(*_hand(model, m), period=period))
         up = np.array([model.stiffness[m], model.damping[m]])
         down = stations[0].C[number]
         links.append(Link(number + 1, 0, up, None, number, timing.delay.forward))

@@ -30,6 +30,7 @@ class Centralized:
             N·s/m; negative compensates.
         wall_stiffness: N/m; 0 in free motion.
         wall_damping: N·s/m; 0 in free motion.
+        hand_stiffness: N/m, of every hand towards where its user holds it; 0: hands are free.
     """
 
     present: tuple[bool, ...]
@@ -41,6 +42,7 @@ class Centralized:
     compensation: float = 0.0
     wall_stiffness: float = 0.0
     wall_damping: float = 0.0
+    hand_stiffness: float = 0.0
 
     @property
     def users(self) -> int:
@@ -50,7 +52,7 @@ class Centralized:
     @property
     def grounded(self) -> bool:
         """Whether something holds the position, so that there is no translation mode."""
-        return self.wall_stiffness != 0.0
+        return self.wall_stiffness != 0.0 or self.hand_stiffness != 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +75,7 @@ class Distributed:
         compensation: shape (users,), b_c, a force −b_c v sampled at T_c and held, N·s/m.
         wall_stiffness: N/m, at every copy; 0 in free motion.
         wall_damping: N·s/m, at every copy; 0 in free motion.
+        hand_stiffness: N/m, of every hand towards where its user holds it; 0: hands are free.
     """
 
     present: tuple[bool, ...]
@@ -88,6 +91,7 @@ class Distributed:
     compensation: Real
     wall_stiffness: float = 0.0
     wall_damping: float = 0.0
+    hand_stiffness: float = 0.0
 
     @property
     def users(self) -> int:
@@ -97,7 +101,7 @@ class Distributed:
     @property
     def grounded(self) -> bool:
         """Whether something holds the position, so that there is no translation mode."""
-        return self.wall_stiffness != 0.0
+        return self.wall_stiffness != 0.0 or self.hand_stiffness != 0.0
 
 
 Model: TypeAlias = Centralized | Distributed

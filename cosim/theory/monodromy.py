@@ -22,11 +22,15 @@ class _Mass:
 
     mass: float
     damping: float
+    stiffness: float = 0.0
     position: Real = field(default_factory=lambda: np.zeros(1))
     velocity: Real = field(default_factory=lambda: np.zeros(1))
     force: Real = field(default_factory=lambda: np.zeros(1))
 
     def advance(self, time: float) -> None:
+        if self.stiffness:
+            self._swing(time)
+            return
         if self.damping == 0.0:
             acceleration = self.force / self.mass
             self.position = (
@@ -40,6 +44,18 @@ class _Mass:
         coasted = (self.velocity - terminal) * (constant * (1.0 - decay))
         self.position = self.position + terminal * time + coasted
         self.velocity = terminal + (self.velocity - terminal) * decay
+
+    def _swing(self, time: float) -> None:
+        """Around the rest position F/k, by the two (complex) rates of m s² + b s + k = 0."""
+        half = self.damping / (2.0 * self.mass)
+        root = np.sqrt(complex(half * half - self.stiffness / self.mass))
+        one, two = -half + root, -half - root
+        rest = self.force / self.stiffness
+        first = (self.velocity - two * (self.position - rest)) / (one - two)
+        second = (self.position - rest) - first
+        first, second = first * np.exp(one * time), second * np.exp(two * time)
+        self.position = rest + (first + second).real
+        self.velocity = (one * first + two * second).real
 
 
 @dataclass(slots=True)
@@ -63,7 +79,10 @@ class _World:
         self.model = model
         self.timing = timing
         users = range(model.users)
-        self.hands = [_Mass(float(model.hand_mass[m]), float(model.hand_damping[m])) for m in users]
+        self.hands = [
+            _Mass(float(model.hand_mass[m]), float(model.hand_damping[m]), model.hand_stiffness)
+            for m in users
+        ]
         forward, backward = timing.delay.forward, timing.delay.backward
         late = timing.computation_delay
         if isinstance(model, Centralized):

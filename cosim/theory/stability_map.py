@@ -134,7 +134,7 @@ def _polynomials(
         free = all(bool(np.all(np.asarray(values[name]) == 0.0)) for name in ("b_h1", "b_c", "b_w"))
         return a, np.zeros((1, 1)), 0 if grounded else 2 if free else 1
     a_1, q_1 = _transfer(server, server.C[..., 0, :], samples, through=True)
-    client = hand_alone(values["m_h2"], values["b_h2"], period)
+    client = hand_alone(values["m_h2"], values["b_h2"], period=period)
     a_2, q_2 = _transfer(client, _row(client, [values["k_2"], values["b_2"]]), samples)
     return multiply(a_1, a_2), multiply(q_1, q_2), 0 if grounded else 1
 

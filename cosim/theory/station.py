@@ -44,9 +44,9 @@ class Station:
     translation: Real
 
 
-def hand_alone(mass: Value, damping: Value, period: float) -> Station:
+def hand_alone(mass: Value, damping: Value, stiffness: float = 0.0, *, period: float) -> Station:
     """A remote user's hand under the force that it receives (4.3); the force acts as −u."""
-    A, b = mass_under_held_force(mass, damping, period)
+    A, b = mass_under_held_force(mass, damping, period, stiffness)
     shape = A.shape[:-2]
     return Station(
         A=A,
@@ -63,7 +63,7 @@ def hand_alone(mass: Value, damping: Value, period: float) -> Station:
 
 def object_station(
     *,
-    hand: tuple[Value, Value] | None,
+    hand: tuple[Value, Value] | tuple[Value, Value, float] | None,
     local: tuple[Value, Value],
     object_mass: Value,
     compensation: Value,
@@ -77,7 +77,8 @@ def object_station(
     share K X̄, held by the network. The wall of Fig. 6.1 is one with u = 0.
 
     Args:
-        hand: mass (kg) and physical damping (N·s/m) of the local hand, or None.
+        hand: mass (kg), physical damping (N·s/m) and, where it has one, stiffness to the ground
+            (N/m) of the local hand, or None.
         local: stiffness (N/m) and damping (N·s/m) between local hand and object.
         object_mass: kg.
         compensation: b_c in N·s/m: −b_c v_o, sampled at T_c and held, without computation delay.
@@ -102,7 +103,7 @@ def object_station(
     push_object[..., body : body + 2] = object_b
     push_hand = np.zeros((*shape, size))
     if hand is not None:
-        hand_A, hand_b = mass_under_held_force(hand[0], hand[1], period)
+        hand_A, hand_b = mass_under_held_force(hand[0], hand[1], period, *hand[2:])
         A[..., :2, :2] = hand_A
         push_hand[..., :2] = hand_b
 
@@ -154,14 +155,14 @@ def object_station(
 
 
 def _common_shape(
-    hand: tuple[Value, Value] | None,
+    hand: tuple[Value, Value] | tuple[Value, Value, float] | None,
     local: tuple[Value, Value],
     object_mass: Value,
     compensation: Value,
     held: Sequence[tuple[Value, Value]],
 ) -> tuple[int, ...]:
     values: list[Value] = [*local, object_mass, compensation]
-    values.extend(hand or ())
+    values.extend(hand[:2] if hand else ())
     for pair in held:
         values.extend(pair)
     return np.broadcast_shapes(*(np.shape(value) for value in values))

@@ -27,14 +27,15 @@ def zero_order_hold(A: Real, B: Real, period: float) -> tuple[Real, Real]:
 
 
 def mass_under_held_force(
-    mass: Real | float, damping: Real | float, period: float
+    mass: Real | float, damping: Real | float, period: float, stiffness: float = 0.0
 ) -> tuple[Real, Real]:
-    """A mass with viscous damping under a held force, in closed form.
+    """A mass with viscous damping under a held force, in closed form where no spring holds it.
 
     Args:
         mass: kg, a number or an array of any shape.
         damping: N·s/m, of the same shape or a number.
         period: s.
+        stiffness: N/m, of a spring to the ground.
 
     Returns:
         The state matrix, shape (..., 2, 2), and the input vector, shape (..., 2), for the state
@@ -45,6 +46,13 @@ def mass_under_held_force(
     )
     A = np.zeros((*mass_array.shape, 2, 2))
     B = np.zeros((*mass_array.shape, 2))
+    if stiffness:
+        for place in np.ndindex(mass_array.shape):
+            inverse, b = 1.0 / float(mass_array[place]), float(damping_array[place])
+            motion = np.array([[0.0, 1.0], [-stiffness * inverse, -b * inverse]])
+            A[place], column = zero_order_hold(motion, np.array([[0.0], [inverse]]), period)
+            B[place] = column[:, 0]
+        return A, B
     A[..., 0, 0] = 1.0
     if not np.any(damping_array):
         A[..., 0, 1], A[..., 1, 1] = period, 1.0

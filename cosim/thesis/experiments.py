@@ -1,4 +1,4 @@
-"""Runs many scenarios at once, each in a process of its own."""
+"""Runs many scenarios and trials at once, in processes of their own."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from cosim.errors import CohapticError
+
+Task = tuple[Callable[..., Any], tuple[Any, ...]]
+"""A function that other processes can import, and its arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +44,8 @@ def run_all(
     Returns:
         The runs by name, in the order of ``scenarios``.
     """
-    context = multiprocessing.get_context("spawn")
-    count = min(workers or _processors(), max(len(scenarios), 1))
     found: dict[str, Ran] = {}
-    with ProcessPoolExecutor(count, mp_context=context) as pool:
+    with _pool(workers, len(scenarios)) as pool:
         waiting: list[Future[Ran]] = [
             pool.submit(run_one, name, file, tuple(sets), out / name)
             for name, (file, sets) in scenarios.items()
@@ -55,6 +56,17 @@ def run_all(
             if told is not None:
                 told(ran)
     return {name: found[name] for name in scenarios}
+
+
+def in_parallel(tasks: Sequence[Task], workers: int | None = None) -> list[Any]:
+    """Call each task's function in another process; what they return, in their order.
+
+    Raises:
+        CohapticError: what a task raised.
+    """
+    with _pool(workers, len(tasks)) as pool:
+        waiting = [pool.submit(function, *arguments) for function, arguments in tasks]
+        return [future.result() for future in waiting]
 
 
 def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
@@ -68,6 +80,11 @@ def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
         return Ran(name, folder, {}, str(error))
     failure = str(finished.error) if finished.error is not None else ""
     return Ran(name, folder, finished.summary.content, failure)
+
+
+def _pool(workers: int | None, tasks: int) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(min(workers or _processors(), max(tasks, 1)), mp_context=context)
 
 
 def _processors() -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.thesis.experiments import Ran
+from cosim.thesis.findings import BeyondPart
 from cosim.thesis.statements import Decided
 
 CAPTIONS = {
@@ -25,9 +26,16 @@ CAPTIONS = {
 
 
 def write_page(
-    path: Path, decided: Sequence[Decided], runs: Mapping[str, Ran], figures: Mapping[str, Path]
+    path: Path,
+    decided: Sequence[Decided],
+    runs: Mapping[str, Ran],
+    figures: Mapping[str, Path],
+    beyond: BeyondPart | None = None,
 ) -> None:
-    """Write the page; the figures are inside it, so that it can be sent around alone."""
+    """Write the page; the figures are inside it, so that it can be sent around alone.
+
+    ``beyond`` is the second part, what lies past the thesis.
+    """
     from jinja2 import Environment
 
     template = files("cosim.thesis").joinpath("page.html.j2").read_text(encoding="utf-8")
@@ -39,6 +47,8 @@ def write_page(
         decided=decided,
         runs=runs,
         figures=[(CAPTIONS.get(name, name), _embedded(file)) for name, file in figures.items()],
+        beyond=beyond and beyond.decided,
+        findings=beyond.findings(_embedded) if beyond else (),
         counts={verdict: verdicts.count(verdict) for verdict in sorted(set(verdicts))},
     )
     path.write_text(html, encoding="utf-8")

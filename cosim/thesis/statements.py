@@ -146,10 +146,16 @@ STATEMENTS: tuple[Statement, ...] = (
     ),
 )
 
-EXPERIMENTS: tuple[str, ...] = tuple(
-    dict.fromkeys(evidence.scenario for statement in STATEMENTS for evidence in statement.evidence)
-)
-"""Names of the scenarios in ``scenarios/thesis`` that some statement needs."""
+
+def experiments(statements: Sequence[Statement]) -> tuple[str, ...]:
+    """Names of the scenarios in ``scenarios/thesis`` that the statements need, each once."""
+    return tuple(
+        dict.fromkeys(item.scenario for statement in statements for item in statement.evidence)
+    )
+
+
+EXPERIMENTS = experiments(STATEMENTS)
+"""What chapter 8 needs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,9 +193,11 @@ class Decided:
 
 
 def decide(
-    summaries: Mapping[str, Mapping[str, Any]], failures: Mapping[str, str]
+    summaries: Mapping[str, Mapping[str, Any]],
+    failures: Mapping[str, str],
+    statements: Sequence[Statement] = STATEMENTS,
 ) -> Sequence[Decided]:
-    """Hold every statement against the summaries of the runs (by scenario name)."""
+    """Hold statements against the summaries of the runs (by scenario name)."""
     return [
         Decided(
             statement,
@@ -206,5 +214,5 @@ def decide(
                 for evidence in statement.evidence
             ),
         )
-        for statement in STATEMENTS
+        for statement in statements
     ]

@@ -13,6 +13,7 @@ from cosim.theory.timing import Delay, Timing
 MASSES = st.floats(0.05, 2.0)
 STIFFNESSES = st.floats(1.0, 5000.0)
 DAMPINGS = st.floats(0.1, 20.0)
+HAND_STIFFNESSES = st.one_of(st.just(0.0), st.floats(10.0, 1000.0))
 
 
 def _array(draw: st.DrawFn, values: st.SearchStrategy[float], size: int) -> np.ndarray:
@@ -37,6 +38,7 @@ def models(draw: st.DrawFn, *, users: int | None = None) -> Model:
             stiffness=_array(draw, STIFFNESSES, count),
             damping=_array(draw, DAMPINGS, count),
             compensation=draw(st.floats(-2.0, 2.0)),
+            hand_stiffness=draw(HAND_STIFFNESSES),
         )
     count = users or draw(st.integers(2, 3))
     return Distributed(
@@ -51,6 +53,7 @@ def models(draw: st.DrawFn, *, users: int | None = None) -> Model:
         object_stiffness=_square(draw, STIFFNESSES, count),
         object_damping=_square(draw, DAMPINGS, count),
         compensation=_array(draw, st.floats(-2.0, 2.0), count),
+        hand_stiffness=draw(HAND_STIFFNESSES),
     )
 
 
