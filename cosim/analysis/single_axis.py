@@ -43,7 +43,7 @@ class _Tie:
     own: str
 
 
-def read_loop(scenario: Scenario) -> ScenarioLoop:
+def read_single_axis(scenario: Scenario) -> ScenarioLoop:
     """Read a single-axis scenario.
 
     Raises:
@@ -54,8 +54,9 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
     hands, objects, ties = parts.hands, parts.objects, parts.ties()
     if not hands or not objects:
         raise InputError(
-            "The theory reads single-axis scenarios: hands and objects joined by virtual couplers "
-            "(FMUs hand, object, virtual_coupler), as in scenarios/single_axis_distributed.yaml.",
+            "The theory reads scenarios of workstations that share a box, and single-axis ones: "
+            "hands and objects joined by virtual couplers (FMUs hand, object, virtual_coupler), as "
+            "in scenarios/single_axis_distributed.yaml.",
             scenario.locate(("components",)),
         )
     distributed = len(objects) > 1

@@ -51,6 +51,11 @@ class Response:
     fundamental: Complex
     frame_limit: float
 
+    def impedance(self, definition: Literal["frame_lifted", "fundamental"]) -> Complex:
+        """Perceived impedance, the admittance's inverse: N·s/m, or N/m in contact; shape (f,)."""
+        admittance = self.frame_lifted if definition == "frame_lifted" else self.fundamental
+        return np.asarray(1.0 / admittance, dtype=np.complex128)
+
 
 def perceived(
     parameters: Parameters, timing: Timing, felt: Felt, case: Case, frequencies: Real

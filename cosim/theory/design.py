@@ -102,17 +102,7 @@ def design(
     gains = _confirm(parameters, gains, timing, network, margin)
     resolved = parameters.replaced(gains)
     limits = {
-        name: {
-            cause: _relief(
-                stable,
-                cause,
-                network=network if cause == "jitter" else steady,
-                timing=timing,
-                gains=gains,
-                name=name,
-            )
-            for cause in CAUSES
-        }
+        name: _reliefs(stable, (steady, network), timing, gains, name)
         for name in gains
         if name[0] == "k"
     }
@@ -134,33 +124,42 @@ def _worst(causes: Mapping[str, float]) -> str:
     return worst if causes[worst] > 1.1 else "itself"
 
 
-def _relief(
+def _reliefs(
     stable: Callable[[Mapping[str, float], Network, Timing], bool],
-    cause: str,
-    *,
-    network: Network,
+    networks: tuple[Network, Network],
     timing: Timing,
     gains: dict[str, float],
     name: str,
-) -> float:
-    """By what factor one stiffness could be larger with one cause gone.
+) -> dict[str, float]:
+    """By what factor one stiffness could be larger with one cause gone, for every cause.
 
-    The others are taken back by a tenth, so that what is measured is not their own limits.
+    The others are taken back by a tenth, so that what is measured is not their own limits. All but
+    the jitter are judged with the mean delay.
     """
-    better, clock = network.without(cause), timing
-    if cause in {"delay", "network rate"}:
-        clock = replace(clock, delay=Delay())
-    if cause == "network rate":
-        better = Network(timing.control_period, 0.0, 0.0, network.loss)
-        clock = replace(clock, ratio=Fraction(1))
-    if cause == "control rate":
-        clock = replace(clock, control_period=clock.control_period / 2, ratio=clock.ratio * 2)
-    if (better, clock) == (network, timing):
-        return 1.0
+    steady, jittery = networks
     eased = {n: v * (0.9 if n[0] == "k" and n != name else 1.0) for n, v in gains.items()}
-    with_cause = _growth(lambda g: stable(g, network, timing), eased, name)
-    without = _growth(lambda g: stable(g, better, clock), eased, name)
-    return without / with_cause
+    as_it_is = _growth(lambda g: stable(g, steady, timing), eased, name)
+    reliefs: dict[str, float] = {}
+    for cause in CAUSES:
+        better, clock = steady.without(cause), timing
+        if cause in {"delay", "network rate"}:
+            clock = replace(clock, delay=Delay())
+        if cause == "network rate":
+            better = Network(timing.control_period, 0.0, 0.0, steady.loss)
+            clock = replace(clock, ratio=Fraction(1))
+        if cause == "control rate":
+            clock = replace(clock, control_period=clock.control_period / 2, ratio=clock.ratio * 2)
+        if cause == "jitter":
+            now = as_it_is
+            if len(jittery.process().events) > 2:
+                now = _growth(lambda g: stable(g, jittery, timing), eased, name)
+            reliefs[cause] = as_it_is / now
+        elif (better, clock) == (steady, timing):
+            reliefs[cause] = 1.0
+        else:
+            free = _growth(lambda g, on=better, at=clock: stable(g, on, at), eased, name)
+            reliefs[cause] = free / as_it_is
+    return reliefs
 
 
 def _confirm(
@@ -172,7 +171,7 @@ def _confirm(
 ) -> dict[str, float]:
     """Take the stiffness back until the exact packet process, with its memory, agrees."""
     exact = network.process()
-    if network.jitter == 0.0:
+    if exact.transition.shape[0] == 1 and network.jitter == 0.0:
         return gains
     for process in (independent_frames(exact), exact):
         for _ in range(60):

@@ -54,7 +54,7 @@ class JumpSystem:
         """ρ of the second-moment map; mean-square stable below 1. Its root compares with ρ(M)."""
         modes, n = self.pattern.transition.shape[0], self.maps.shape[1]
         lifts = np.array([symmetric_square(one) for one in self.maps])
-        by_mode = np.einsum("je,eab->jab", self.pattern.emission, lifts)
+        by_mode = np.tensordot(self.pattern.emission, lifts, axes=1)
         size = n * (n + 1) // 2
         transition = self.pattern.transition
         if modes * size <= DENSE_LIMIT:

@@ -59,7 +59,10 @@ class Network:
         """
         if self.jitter == 0.0:
             return bernoulli(self.loss, self.fixed_delay)
-        return random_delay(self.delay_probabilities(), self.loss)
+        probabilities = self.delay_probabilities()
+        if max(probabilities) == 1.0:
+            return bernoulli(self.loss, len(probabilities) - 1)
+        return random_delay(probabilities, self.loss)
 
     def delay_probabilities(self) -> list[float]:
         """Probability of a delay of 0, 1, 2 … samples."""
@@ -68,9 +71,10 @@ class Network:
         edges = np.arange(longest) * period
         below = [*(self._arrived_by(float(edge)) for edge in edges), 1.0]
         probabilities = np.diff([0.0, *below])
-        probabilities[probabilities < 1e-5] = 0.0
+        probabilities[probabilities < 3e-4] = 0.0
         last = int(np.max(np.nonzero(probabilities)))
-        return [float(value) for value in probabilities[: last + 1] / probabilities.sum()]
+        kept = probabilities[: last + 1] / probabilities.sum()
+        return [float(value) for value in kept]
 
     def _arrived_by(self, time: float) -> float:
         """Probability that a packet has arrived within ``time`` of being sent."""

@@ -70,7 +70,7 @@ def largest_eigenvalue_of_map(apply: Callable[[Real], Real], start: Real) -> flo
     operator = linalg.LinearOperator((start.size, start.size), matvec=apply, dtype=np.float64)
     try:
         values: Any = linalg.eigs(
-            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=1e-10
+            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=1e-9
         )
     except linalg.ArpackNoConvergence:
         # Crowded spectra: fall back on the whole matrix.

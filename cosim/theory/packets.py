@@ -112,8 +112,13 @@ def random_delay(probabilities: Sequence[float], loss: float = 0.0) -> LinkProce
             transition[age, arrival] = missing * hazard[arrival]
             missing *= 1.0 - hazard[arrival]
         transition[age, min(age + 1, modes - 1)] += missing
-    emission = np.eye(modes)
-    return LinkProcess(transition, emission, (*range(deepest + 1), HOLD))
+    # Nothing is ever younger than the shortest delay.
+    youngest = int(np.argmax(spread > 0))
+    return LinkProcess(
+        transition[youngest:, youngest:],
+        np.eye(modes - youngest),
+        (*range(youngest, deepest + 1), HOLD),
+    )
 
 
 def independent_frames(process: LinkProcess) -> LinkProcess:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -123,6 +124,25 @@ def test_a_scenarios_loop_can_be_changed_by_name_and_by_path() -> None:
     assert by_path["parameters"]["k_22"] == 3000
 
 
+def no_loop(folder: Path) -> Path:
+    path = folder / "signal.yaml"
+    path.write_text(
+        "cohaptic: 1\ntitle: A signal\nduration: 1 s\nrates: {control: 1024 Hz}\n"
+        "components:\n  one: {fmu: signal}\n"
+    )
+    return path
+
+
+def test_planar_scenarios_are_read_on_their_normal_axis() -> None:
+    """Chapter 8's gains: the centralized twin is unstable at n = 1 as the single axis says."""
+    centralized = theory("radius", "--scenario", "two_users_box_centralized")
+    assert f"{centralized['spectral_radius']:.5f}" == "1.19967"
+    distributed = theory("radius", "--scenario", "two_users_box")
+    assert distributed["stable"]
+    null = theory("damping", "--scenario", "two_users_box", "--all-hands")["compensation"]
+    assert f"{null:.3f}" == "-1.844"
+
+
 def test_a_single_user_scenario() -> None:
     found = theory("boundary", "--scenario", "single_user", "--vary", "k", "--range", "1:50000")
     assert found["stable"][0][1] == pytest.approx(30720, abs=1e-6)
@@ -138,7 +158,7 @@ def test_delays_that_are_no_whole_samples_are_rounded_up_and_said_so() -> None:
     assert "taken as 2 samples" in result.stderr
 
 
-def test_other_scenarios_and_contradictions_get_a_sentence() -> None:
+def test_other_scenarios_and_contradictions_get_a_sentence(tmp_path: Path) -> None:
     def refusal(*arguments: str) -> str:
         with pytest.raises(InputError) as caught:
             CliRunner().invoke(
@@ -146,7 +166,7 @@ def test_other_scenarios_and_contradictions_get_a_sentence() -> None:
             )
         return str(caught.value)
 
-    assert "single-axis" in refusal("radius", "--scenario", "two_users_box")
+    assert "single-axis" in refusal("radius", "--scenario", str(no_loop(tmp_path)))
     loop = ("radius", "--scenario", "single_axis_distributed")
     assert "contradicts" in refusal(*loop, "--architecture", "centralized")
     assert "--scenario" in refusal("radius", "--architecture", "single", "--with", "x.yaml")

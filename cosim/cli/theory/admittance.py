@@ -51,6 +51,10 @@ def command(
             "frequency": frequency,
             "frame_lifted": _polar(complex(lifted)),
             "fundamental": _polar(complex(fundamental)),
+            "impedance": {
+                "frame_lifted": _polar(complex(1 / lifted)),
+                "fundamental": _polar(complex(1 / fundamental)),
+            },
         }
         for frequency, lifted, fundamental in zip(
             frequencies, found.frame_lifted, found.fundamental, strict=True

@@ -9,6 +9,7 @@ import click
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.compensation import null_compensation
 from cosim.theory.damping import DampingModel
+from cosim.theory.stability import stability
 
 FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
 """Who feels it, by architecture: the remote user of the centralized loop, user 1 of the others."""
@@ -35,9 +36,11 @@ def command(loop: Loop, as_json: bool, kind: DampingModel, all_hands: bool) -> N
     user = FELT_BY[loop.architecture]
     model = loop.model if all_hands else loop.one_hand(user)
     found = null_compensation(model, loop.timing, user, kind)
+    as_it_is = stability(model, loop.timing)
     result = {
         "damping": found.damping,
         "compensation": found.value,
+        "stable": as_it_is.stable,
         "compensated_spectral_radius": found.compensated.spectral_radius,
         "compensated_stable": found.compensated.stable,
         "compensated_marginal": found.compensated.marginal,
@@ -45,10 +48,11 @@ def command(loop: Loop, as_json: bool, kind: DampingModel, all_hands: bool) -> N
         "architecture": loop.architecture,
         "parameters": loop.parameters.resolved(),
     }
+    warning = "" if as_it_is.stable else "; the loop itself is unstable, so nobody will feel it"
     verdict = "stable" if found.compensated.stable else "unstable"
     text = (
         f"{describe(loop)}\n"
-        f"damping {found.damping:.6g} N·s/m, felt by user {user + 1} ({kind} model)\n"
+        f"damping {found.damping:.6g} N·s/m, felt by user {user + 1} ({kind} model){warning}\n"
         f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated loop "
         f"is {verdict} (spectral radius {found.compensated.spectral_radius:.6g} beside the common "
         "motion)"

@@ -107,7 +107,7 @@ _SHARED = (
 )
 _OPTIONS = (
     click.option("--architecture", type=click.Choice(ARCHITECTURES), help="Which loop."),
-    click.option("--scenario", metavar="FILE", help="Read the loop from a single-axis scenario."),
+    click.option("--scenario", metavar="FILE", help="Read the loop from a scenario."),
     click.option("--with", "overlays", multiple=True, metavar="FILE", help="Overlay for it."),
     click.option(
         "--set",
@@ -196,7 +196,7 @@ def _loop(
 
 
 def _from_scenario(name: str, overlays: tuple[str, ...], paths: tuple[str, ...]) -> ScenarioLoop:
-    from cosim.analysis.single_axis import read_loop
+    from cosim.analysis.loop import read_loop
     from cosim.scenario import load
 
     return read_loop(load(name, overlays, paths))
