@@ -32,20 +32,26 @@ def draw_beyond(found: Beyond, out: Path) -> dict[str, Path]:
 
 
 def _breaking(figure: Any, found: Beyond) -> None:
-    stiffness, loss = figure.subplots(1, 2)
+    stiffness, jitter, loss = figure.subplots(1, 3)
     _curve(stiffness, found.limits["stiffness"], COLOURS[0], "centralized")
+    _curve(jitter, found.limits["jitter"], COLOURS[0], "centralized")
+    jitter.set(
+        title="(b) The same under jitter", xlabel="each packet late by 0 to … samples", yscale="log"
+    )
+    jitter.set_xticks([one.delay for one in found.limits["jitter"]])
+    jitter.legend(loc="upper right")
     stiffness.set(
-        title="(a) Stiffest remote couplers that hold",
+        title="(a) Stiffest remote couplers",
         ylabel="normal stiffness (N/m)",
         yscale="log",
     )
     _curve(loss, found.limits["centralized_loss"], COLOURS[0], "centralized, soft")
     _curve(loss, found.limits["distributed_loss"], COLOURS[1], "distributed")
     loss.set(
-        title="(b) Largest packet loss that holds", ylabel="loss probability", ylim=(-0.03, 1.3)
+        title="(c) Largest packet loss that holds", ylabel="loss probability", ylim=(-0.03, 1.3)
     )
     for axis in (stiffness, loss):
-        axis.set_xlabel("round-trip delay (network samples of 7.8 ms)")
+        axis.set_xlabel("round-trip delay (samples)")
         axis.set_xticks([one.delay for one in found.limits["stiffness"]])
         axis.legend(loc="upper right")
 

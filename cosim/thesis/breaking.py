@@ -1,8 +1,9 @@
 """Where the grasp breaks: predicted by the theory, found by simulation.
 
-Two limits of the grasp and carry of figure 8.1 over the round-trip delay: the stiffest couplers of
-the remote user that hold under the centralized controller, and the packet loss up to which either
-controller holds, with the couplers of section 8.2 for whoever is across the network.
+Limits of the grasp and carry of figure 8.1: the stiffest couplers of the remote user that hold
+under the centralized controller, over the round-trip delay and over the jitter of a network without
+other delay; and the packet loss up to which either controller holds, over the round-trip delay,
+with the couplers of section 8.2 for whoever is across the network.
 """
 
 from __future__ import annotations
@@ -19,21 +20,31 @@ from cosim.thesis.trials import grasp
 if TYPE_CHECKING:
     from cosim.theory.models import Model
 
-Curve = Literal["stiffness", "centralized_loss", "distributed_loss"]
+Curve = Literal["stiffness", "jitter", "centralized_loss", "distributed_loss"]
 
-CURVES: tuple[Curve, ...] = ("stiffness", "centralized_loss", "distributed_loss")
+CURVES: tuple[Curve, ...] = ("stiffness", "jitter", "centralized_loss", "distributed_loss")
 DELAYS: dict[Curve, tuple[int, ...]] = {
     "stiffness": (0, 1, 2, 3, 4),
+    "jitter": (0, 1, 2, 3),
     "centralized_loss": (0, 1, 2, 3),
     "distributed_loss": (0, 2, 4),
 }
-"""Round trips, in network samples."""
+"""Round trips in network samples; for ``jitter`` the span over which each packet is late."""
 
 STIFFNESSES = (25.0, 2000.0)
 """The search begins with these remote normal stiffnesses (N/m)."""
 
-STEPS: dict[Curve, int] = {"stiffness": 5, "centralized_loss": 4, "distributed_loss": 4}
+STEPS: dict[Curve, int] = {
+    "stiffness": 5,
+    "jitter": 5,
+    "centralized_loss": 4,
+    "distributed_loss": 4,
+}
 """Bisections: each one halves the interval that a limit is known to be in."""
+
+NEUTRAL = 1e-4
+"""A second moment that grows by less than this a frame is that of a neutral mode, as well as the
+eigenvalue iteration resolves it."""
 
 DURATION = 4.5
 """Of a trial (s): up to the end of the way there."""
@@ -65,17 +76,18 @@ class Limit:
     @property
     def found(self) -> float:
         """The middle of the interval in which simulation has the limit."""
-        if self.curve == "stiffness":
+        if self.curve in {"stiffness", "jitter"}:
             return float(np.sqrt(self.holds * self.breaks))
         return (self.holds + self.breaks) / 2
 
 
 def find_limit(curve: Curve, delay: int) -> Limit:
     """Predict one point of a curve, and find it by simulation."""
-    if curve == "stiffness":
+    if curve in {"stiffness", "jitter"}:
         low, high = STIFFNESSES
+        trip, jitter = (0, delay) if curve == "jitter" else (delay, 0)
         found = _bisect(
-            lambda x: holds(CENTRALIZED, delay, stiffness=float(np.exp(x))),
+            lambda x: holds(CENTRALIZED, trip, stiffness=float(np.exp(x)), jitter=jitter),
             float(np.log(low)),
             float(np.log(high)),
             STEPS[curve],
@@ -94,16 +106,21 @@ def predict(curve: Curve, delay: int) -> float | None:
     from cosim.analysis.grasp import find_grasp
     from cosim.analysis.modes import centralized_modes, distributed_modes
     from cosim.scenario import load
-    from cosim.theory.mean_square import critical_loss
+    from cosim.theory.mean_square import critical_loss, mean_square_radius
+    from cosim.theory.packets import random_delay
     from cosim.theory.stability import stability
     from cosim.theory.timing import Delay, Timing
 
-    timing = Timing(delay=Delay.round_trip(delay))
-    if curve == "stiffness":
+    timing = Timing(delay=Delay.round_trip(0 if curve == "jitter" else delay))
+    if curve in {"stiffness", "jitter"}:
         server = load(CENTRALIZED).components["server"]
 
         def stable(x: float) -> bool:
             found = centralized_modes(server, remote_stiffness=float(np.exp(x))).values()
+            if curve == "jitter" and delay > 0:
+                late = [1.0] * (delay + 1)
+                radii = (mean_square_radius(m, timing, lambda _: random_delay(late)) for m in found)
+                return all(radius <= 1.0 + NEUTRAL for radius in radii)
             return all(stability(model, timing).stable for model in found)
 
         # From soft to stiff each mode becomes unstable once within this range.
@@ -120,7 +137,14 @@ def predict(curve: Curve, delay: int) -> float | None:
     return min((loss for loss in losses if loss is not None), default=None)
 
 
-def holds(file: str, delay: int, *, stiffness: float | None = None, loss: float = 0.0) -> bool:
+def holds(
+    file: str,
+    delay: int,
+    *,
+    stiffness: float | None = None,
+    loss: float = 0.0,
+    jitter: int = 0,
+) -> bool:
     """Whether a grasp holds at a round trip of ``delay`` samples.
 
     Args:
@@ -129,6 +153,7 @@ def holds(file: str, delay: int, *, stiffness: float | None = None, loss: float 
         stiffness: remote normal stiffness (N/m), the tangential one in proportion; as the scenario
             has it unless given.
         loss: probability of losing a packet.
+        jitter: each packet is late by 0 to this many network samples, all equally likely.
     """
     sets = [
         "expect=~",
@@ -136,6 +161,7 @@ def holds(file: str, delay: int, *, stiffness: float | None = None, loss: float 
         f"duration={DURATION}",
         f"channels.lan.round_trip_delay={delay}",
         f"channels.lan.loss={loss}",
+        f"channels.lan.jitter={jitter}",
     ]
     if stiffness is not None:
         parameters = "components.server.parameters.remote"

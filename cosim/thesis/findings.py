@@ -41,6 +41,7 @@ class BeyondPart:
 
 def _breaking(found: Beyond) -> tuple[str, ...]:
     stiffness = found.limits["stiffness"]
+    jitter = found.limits["jitter"]
     loss = found.limits["centralized_loss"]
     distributed = found.limits["distributed_loss"]
     return (
@@ -48,6 +49,8 @@ def _breaking(found: Beyond) -> tuple[str, ...]:
             "Centralized, the stiffest remote couplers that hold fall from "
             f"{_range(stiffness[0])} N/m at n = {stiffness[0].delay} to {_range(stiffness[-1])} "
             f"N/m at n = {stiffness[-1].delay}; the theory has {_predictions(stiffness)} N/m. "
+            "Jitter alone does the same: where each packet is late by 0 to 3 samples, mean-square "
+            f"theory has {_predictions(jitter[-1:])} N/m and simulation {_range(jitter[-1])} N/m. "
             "With the soft couplers of section 8.2, loss breaks the grasp at "
             f"{_predictions(loss)} by mean-square theory and between {_ranges(loss)} in "
             "simulation. At n = 3 it is lost without any loss."

@@ -72,6 +72,13 @@ def test_the_grasp_breaks_near_the_stiffness_that_the_theory_has(delay):
     assert not breaking.holds(CENTRALIZED, delay, stiffness=1.3 * predicted)
 
 
+def test_jitter_breaks_the_grasp_near_the_stiffness_of_mean_square_theory():
+    predicted = predict("jitter", 2)
+    assert predicted < 0.5 * predict("jitter", 0)
+    assert breaking.holds(CENTRALIZED, 0, stiffness=0.7 * predicted, jitter=2)
+    assert not breaking.holds(CENTRALIZED, 0, stiffness=1.4 * predicted, jitter=2)
+
+
 def test_the_grasp_breaks_near_the_critical_loss():
     predicted = predict("centralized_loss", 1)
     assert 0.3 < predicted < 0.5
