@@ -47,9 +47,7 @@ def _breaking(figure: Any, found: Beyond) -> None:
     )
     _curve(loss, found.limits["centralized_loss"], COLOURS[0], "centralized, soft")
     _curve(loss, found.limits["distributed_loss"], COLOURS[1], "distributed")
-    loss.set(
-        title="(c) Largest packet loss that holds", ylabel="loss probability", ylim=(-0.03, 1.3)
-    )
+    loss.set(title="(c) Largest loss that holds", ylabel="loss probability", ylim=(-0.03, 1.3))
     for axis in (stiffness, loss):
         axis.set_xlabel("round-trip delay (samples)")
         axis.set_xticks([one.delay for one in found.limits["stiffness"]])

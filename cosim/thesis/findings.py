@@ -62,8 +62,8 @@ def _breaking(found: Beyond) -> tuple[str, ...]:
             "velocity estimator and no friction. The estimator's delay takes damping away, so "
             "that the simulation breaks a little earlier at n = 1 and 2; the joints' friction "
             "(0.04 N at the tip) and a trial of 2.5 s, in which what grows slowly stays small, "
-            "let it hold a little longer at n = 4. Under loss, a mean square can grow although "
-            "almost every single run decays, and a short run need not meet the burst that "
+            "let it hold a little longer at n = 3 and 4. Under loss, a mean square can grow "
+            "although almost every single run decays, and a short run need not meet the burst that "
             "breaks it: theory may lie below simulation there, too."
         ),
         (
