@@ -53,15 +53,17 @@ def dead_man(device: str, is_held: Callable[[], bool]) -> Permission:
     return Permission("dead-man input held", _SEAL)
 
 
-def emulated(device: str, *, proved: bool) -> Permission:
+def emulated(device: str, doubt: str | None) -> Permission:
     """``--yes``: no person is asked, because no person is touched.
 
+    ``doubt`` says why the device may not be an emulator, ``None`` when it proved to be one.
+
     Raises:
-        ActivationRefused: the device did not prove that it is an emulator.
+        ActivationRefused: there is doubt.
     """
-    if not proved:
+    if doubt is not None:
         raise ActivationRefused(
-            f"--yes is for emulators, and {device} did not prove itself one: "
+            f"--yes is for emulators, and {device} did not prove itself one ({doubt}): "
             "leave --yes out and confirm at the prompt"
         )
     return Permission("emulator, proved", _SEAL)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from hil.errors import ActivationRefused
 from hil.permission import Permission, ask, emulated
 
 if TYPE_CHECKING:
@@ -43,14 +44,16 @@ class Session:
         Raises:
             ActivationRefused: output was asked for and not confirmed.
         """
-        from hil.emulators.proof import is_emulator
+        from hil.emulators.proof import doubt
 
         if not self.enable_output:
             return None
         if self.yes:
-            return emulated(device.name, proved=device.in_process or is_emulator(device))
+            return emulated(device.name, None if device.in_process else doubt(device))
         if self.prompt is None:
-            return emulated(device.name, proved=False)
+            raise ActivationRefused(
+                f"{device.name} stays without output: there is nobody to confirm it"
+            )
         return ask(device.name, device.warnings(), self.prompt)
 
     def tell(self, text: str) -> None:

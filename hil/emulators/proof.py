@@ -21,11 +21,14 @@ if TYPE_CHECKING:
 EXCHANGES = 4
 
 
-def is_emulator(device: Device) -> bool:
-    """Whether a configured, inactive device is an emulator; it needs ``emulator=`` in its URL."""
+def doubt(device: Device) -> str | None:
+    """Why a configured, inactive device may not be an emulator; ``None`` once it proved to be one.
+
+    It needs ``emulator=`` in its URL.
+    """
     path = device.address.options.get("emulator")
     if path is None:
-        return False
+        return "its URL names no emulator"
     random = SystemRandom()
     shift = (random.uniform(0.1, 0.4), random.uniform(-0.4, -0.1))
     try:
@@ -35,14 +38,15 @@ def is_emulator(device: Device) -> bool:
             moved = _angles(device)
             control.ask("shift", by=(0.0, 0.0))
             after = _angles(device)
-    except DeviceError:
-        return False
+    except DeviceError as error:
+        return str(error)
     allowed = 3 * max(2 * pi / joint.counts_per_turn for joint in device.file.joints)
-    return all(
+    shown = all(
         abs(abs(moved[axis] - before[axis]) - abs(shift[axis])) < allowed
         and abs(after[axis] - before[axis]) < allowed
         for axis in (0, 1)
     )
+    return None if shown else "its angles did not move as the emulator was told to move them"
 
 
 def _angles(device: Device) -> Pair:

@@ -100,7 +100,7 @@ class Bench:
         document = {"driver": kind.driver, "home": list(emulator.home), **SETUPS[name]["file"]}
         device = kind(parse(emulator.url), parse_file(document), tick=TICK, **options)
         if output:
-            device.permission = emulated(emulator.url, proved=True)
+            device.permission = emulated(emulator.url, None)
         self._open.append(device)
         return device
 

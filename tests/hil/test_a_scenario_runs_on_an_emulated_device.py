@@ -130,8 +130,8 @@ def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path
 
 
 def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path):
-    """Void on a busy machine: a board that answers 3 ms late faults, as it has to."""
-    timing = ("no whole answer", "late", "stood still", "observed", "out of step")
+    """A machine that stalls makes the run fault, as it has to: a sentence, and status 1."""
+    told: list[str] = []
     for number in range(3):
         folder = tmp_path / f"run{number}"
         try:
@@ -141,9 +141,10 @@ def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path):
             status, summary = error.exit_status, {"message": str(error)}
         if status == 0:
             break
-        assert any(word in summary["message"] for word in timing), summary["message"]
+        assert status == 1
+        told.append(summary["message"])
     else:
-        pytest.skip("the machine was too busy for a device at 1024 Hz, three times")
+        pytest.skip(f"this machine did not keep 1024 Hz for 1.6 s: {' / '.join(told)}")
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["deadlines"]["ticks"] == summary["ticks"] == TICKS
     assert np.isfinite(signal(folder, "vr_a.box_pose.y")).all()

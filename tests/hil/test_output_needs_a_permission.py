@@ -38,7 +38,7 @@ def test_the_prompt_shows_every_warning():
 
 def test_yes_is_for_proved_emulators():
     with pytest.raises(ActivationRefused, match="prove"):
-        emulated("haply", proved=False)
+        emulated("haply", "its URL names no emulator")
     with pytest.raises(ActivationRefused):
         dead_man("haply", lambda: False)
 
