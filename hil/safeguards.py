@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from hil.errors import ActivationRefused
 
 if TYPE_CHECKING:
-    from hil.device import Device
+    from hil.driver import Driver
 
 NETWORK = frozenset({"socket", "rfc2217", "udp_multicast"})
 """Transports that anybody on the network could write to: for emulators only."""
 
 
-def check_safeguards(device: Device) -> None:
+def check_safeguards(device: Driver) -> None:
     """Refuse output that nothing would switch off when this process dies.
 
     Raises:

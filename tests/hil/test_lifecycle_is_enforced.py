@@ -99,7 +99,8 @@ TestLife = Life.TestCase
 
 
 def test_a_driver_cannot_replace_what_stands_between_command_and_motor():
-    for name in ("write", "read", "activate", "_trip", "_write_zero"):
+    names = ("write", "read", "activate", "home", "component", "safety", "settled", "_check_time")
+    for name in (*names, "zero_after_death", "_trip", "_write_zero", "_guard"):
         with pytest.raises(TypeError, match=name):
             type("Sly", (Device,), {name: lambda self, *_: None})
 
