@@ -2,9 +2,10 @@
 
     uv run python bench/link_cost.py
 
-Two ends in one process over loopback sockets (the real transport, kernel stamps included), 17
-values as in two_users_box. Figures are the median of several rounds; the ideal age is the wire's
-one-way time rounded up to the next network sample.
+Two remote stations in one process over loopback sockets (the real transport, kernel stamps
+included), 17 values as in two_users_box. A cost is the median over many ticks of the thread's CPU
+time, system calls included; the ideal age is the wire's one-way time rounded up to the next network
+sample.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from cosim.component import Causality, Setup, VariableType
 from cosim.link.bundle import Bundle, Field
 from cosim.link.impairment import Impairment
-from cosim.link.peer_link import PeerLink
+from cosim.link.peer_link import READS_PER_TICK, PeerLink
+from cosim.link.remote import Grid, RemoteStation
 from cosim.link.settings import LinkSettings
 from cosim.link.transport import Address, UdpTransport, open_socket
 from tests.link.simulated import Network, SkewedClock
@@ -28,11 +31,11 @@ from tests.link.support import PERIOD, TICK, both_ends
 from tests.link.world import SimulatedStation, run, share_session
 
 VALUES = 17
-ROUNDS = 7
-COUNT = 4000
+COUNT = 8000
 
 
-def ends() -> tuple[PeerLink, PeerLink]:
+def ends() -> tuple[RemoteStation, RemoteStation]:
+    """Two stations that have met."""
     local = Address("127.0.0.1", 0)
     first = open_socket(local, None)
     second = open_socket(local, Address(*first.getsockname()))
@@ -41,60 +44,74 @@ def ends() -> tuple[PeerLink, PeerLink]:
         s: Bundle(
             source=s,
             target=t,
-            fields=(Field(name=f"vr_{s}.shared", size=VALUES),),
+            fields=tuple(
+                Field(name=f"vr_{s}.value_{number}", unit="m", minimum=-1.0, maximum=1.0, speed=3.0)
+                for number in range(VALUES)
+            ),
             period=PERIOD,
             tick=TICK,
         )
         for s, t in ("ab", "ba")
     }
-    links = [
-        PeerLink(
+    remotes: list[RemoteStation] = []
+    for (own, peer), socket, keys in zip(("ab", "ba"), (first, second), both_ends(), strict=True):
+        link = PeerLink(
             sends=[bundles[own]],
             receives=[bundles[peer]],
             settings=[LinkSettings()],
             transport=UdpTransport(socket),
             forward=lambda *_: None,
         )
-        for (own, peer), socket in zip(("ab", "ba"), (first, second), strict=True)
-    ]
-    for link, keys in zip(links, both_ends(), strict=True):
         link.renew(keys)
-    return links[0], links[1]
+        grid = Grid(tick_ns=float(TICK * 10**9))
+        remote = RemoteStation(link, grid=grid, now=time.monotonic_ns, leads=own == "a")
+        cells = {
+            v.name: np.zeros(1, np.float64 if v.type is VariableType.FLOAT64 else np.int64)
+            for v in remote.variables
+        }
+        ways = {
+            way: {v.name: cells[v.name] for v in remote.variables if v.causality is way}
+            for way in (Causality.INPUT, Causality.OUTPUT)
+        }
+        setup = Setup(name="link", parameters={}, tick=(1, 1024), period=1, seed=0)
+        remote.initialise(setup, ways[Causality.INPUT], ways[Causality.OUTPUT])
+        remotes.append(remote)
+    return remotes[0], remotes[1]
 
 
 def cost() -> dict[str, float]:
-    """Microseconds of CPU of each part, system calls included."""
+    """Microseconds of CPU of each kind of tick, system calls included."""
     a, b = ends()
-    found: dict[str, list[float]] = {"send": [], "receive": [], "empty tick": [], "flooded": []}
-    tick = 0
-    for _ in range(ROUNDS):
-        spent = dict.fromkeys(found, 0.0)
-        for _ in range(COUNT):
-            tick += PERIOD
-            start = time.process_time()
-            a.send(tick, time.monotonic_ns(), 0)
-            sent = time.process_time()
-            b.drain(tick)
-            b.release(tick)
-            received = time.process_time()
-            b.drain(tick + 1)
-            b.release(tick + 1)
-            empty = time.process_time()
-            spent["send"] += sent - start
-            spent["receive"] += received - sent
-            spent["empty tick"] += empty - received
-        # Forged packets at 20 times the rate are 2.5 a tick; this is the most a tick ever reads.
-        forged = bytearray(a.writers[0].datagram)
-        forged[-1] ^= 1
-        for _ in range(COUNT // 40):
-            for _ in range(40):
-                a.transport.send(forged)
-            start = time.process_time()
-            b.drain(tick)
-            spent["flooded"] += 40 * (time.process_time() - start)
-        for part, seconds in spent.items():
-            found[part].append(seconds / COUNT * 1e6)
-    return {part: statistics.median(values) for part, values in found.items()}
+    found: dict[str, list[int]] = {
+        "tick that sends": [],
+        "tick with a packet": [],
+        "tick without": [],
+        "tick with 32 forged": [],
+    }
+    clock = time.thread_time_ns
+    forged = bytearray(b.link.writers[0].datagram)
+    for number in range(COUNT):
+        tick = number * PERIOD
+        start = clock()
+        a.write(tick)
+        sent = clock()
+        b.read(tick + PERIOD)
+        received = clock()
+        b.read(tick + PERIOD + 1)
+        found["tick that sends"].append(sent - start)
+        found["tick with a packet"].append(received - sent)
+        found["tick without"].append(clock() - received)
+        b.write(tick)
+        a.read(tick + PERIOD)
+        if number % 8 == 0:
+            forged[:] = a.link.writers[0].datagram
+            forged[-1] ^= 1
+            for _ in range(READS_PER_TICK):
+                a.link.transport.send(forged)
+            start = clock()
+            b.read(tick + PERIOD)
+            found["tick with 32 forged"].append(clock() - start)
+    return {part: statistics.median(times) * 1e-3 for part, times in found.items()}
 
 
 def ages(delay: float, jitter: float) -> tuple[float, float, float]:
@@ -122,7 +139,7 @@ def ages(delay: float, jitter: float) -> tuple[float, float, float]:
 
 def main() -> None:
     for part, micro in cost().items():
-        print(f"{part:12s} {micro:6.1f} us")
+        print(f"{part:20s} {micro:6.1f} us")
     print("\n   wire   jitter   age at use   ideal   ratio   (ms; ages are means over ticks)")
     for delay, jitter in ((0.0002, 0.0), (0.0012, 0.0003), (0.005, 0.0005), (0.009, 0.0005)):
         age, wire, ideal = ages(delay, jitter)

@@ -79,9 +79,8 @@ class Sealer:
         self._next[slot] = sequence + 1
         HEADER.pack_into(datagram, 0, MAGIC, VERSION, kind, stream, 0, self._session, sequence)
         NONCE.pack_into(self._nonce, 0, kind, 0, stream, sequence)
-        self._cipher.encrypt_into(
-            self._nonce, plain, datagram[: HEADER.size], datagram[HEADER.size :]
-        )
+        header, sealed = datagram[:BODY_START], datagram[BODY_START:]
+        self._cipher.encrypt_into(self._nonce, plain, header, sealed)
         return sequence
 
 
@@ -96,11 +95,16 @@ class Opener:
     def open(self, datagram: memoryview, plain: memoryview) -> bool:
         """Decrypt into ``plain`` (``len(datagram)`` - 40 bytes); ``False`` for a forgery."""
         _, _, kind, stream, _, _, sequence = HEADER.unpack_from(datagram)
+        return self.open_as(kind, stream, sequence, datagram, plain)
+
+    def open_as(
+        self, kind: int, stream: int, sequence: int, datagram: memoryview, plain: memoryview
+    ) -> bool:
+        """The same for a caller that has read the header."""
         NONCE.pack_into(self._nonce, 0, kind, 0, stream, sequence)
+        header, sealed = datagram[:BODY_START], datagram[BODY_START:]
         try:
-            self._cipher.decrypt_into(
-                self._nonce, datagram[HEADER.size :], datagram[: HEADER.size], plain
-            )
+            self._cipher.decrypt_into(self._nonce, sealed, header, plain)
         except InvalidTag:
             return False
         return True
@@ -152,15 +156,19 @@ class DataWriter:
 class DataReader:
     """Opens the data packets of one stream; ``values`` is a view on the last one opened."""
 
-    def __init__(self, opener: Opener, elements: int) -> None:
+    def __init__(self, opener: Opener, stream: int, elements: int) -> None:
+        self._stream = stream
         self.size = datagram_size(elements)
         plain = bytearray(self.size - HEADER.size - TAG_SIZE)
         self._plain = memoryview(plain)
         self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
         self.opener = opener
 
-    def open(self, datagram: memoryview) -> tuple[int, ...] | None:
-        """The eight members of :data:`BODY`, or ``None`` for a forgery."""
-        if not self.opener.open(datagram, self._plain):
+    def open(self, datagram: memoryview, sequence: int) -> tuple[int, ...] | None:
+        """The eight members of :data:`BODY`, or ``None`` for a forgery.
+
+        ``sequence`` is the header's, which the caller has read to know the session and stream.
+        """
+        if not self.opener.open_as(Kind.DATA, self._stream, sequence, datagram, self._plain):
             return None
         return BODY.unpack_from(self._plain)

@@ -10,8 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
-
 from cosim.link.bundle import Bundle, FieldRole
 from cosim.link.clock import ClockEstimate
 from cosim.link.keys import SessionKeys
@@ -22,6 +20,8 @@ from cosim.link.settings import LinkSettings
 from cosim.link.transport import LARGEST_READ, Transport
 
 READS_PER_TICK = 32
+GUARD_TIME = Fraction(1)
+"""Seconds for which the kernel filters after a tick that had more to read than that."""
 _TELLING = (Fate.ACCEPTED, Fate.LATE)
 ACTIVE = 2
 FAULT = 4
@@ -88,11 +88,12 @@ class PeerLink:
         self._forward = forward
         self._buffer = memoryview(bytearray(LARGEST_READ))
         self._echo = (0, 0)
+        self._guarded_until: int | None = None
         # What the loop looks at every tick is looked up once.
         self._roles = [
             (
-                np.array(item.receiver.bundle.indices(FieldRole.SOURCE_AGE), dtype=np.intp),
-                np.array(item.receiver.bundle.indices(FieldRole.STATUS), dtype=np.intp),
+                item.receiver.bundle.indices(FieldRole.SOURCE_AGE),
+                item.receiver.bundle.indices(FieldRole.STATUS),
                 item.receiver.bundle.indices(FieldRole.SOURCE_TICK),
             )
             for item in self.incoming
@@ -109,6 +110,7 @@ class PeerLink:
         self.clock.forget()
         self.peer_epoch = 0
         self._echo = (0, 0)
+        self._let_everything_in()
 
     def allow(self, round_trip: int) -> None:
         """Set from which age a packet is too old, from the lowest round trip (ns).
@@ -124,13 +126,39 @@ class PeerLink:
 
     def drain(self, tick: int) -> None:
         """Read what has arrived: at most 32 datagrams, the rest thrown away and counted."""
+        if self._guarded_until is not None and tick >= self._guarded_until:
+            self._let_everything_in()
         buffer = self._buffer
         for _ in range(READS_PER_TICK):
             size = self.transport.receive(buffer)
             if size < 0:
                 return
             self._take(buffer[:size], tick)
-        self.flood += self.transport.discard()
+        discarded = self.transport.discard()
+        if discarded:
+            self.flood += discarded
+            self._guard(tick)
+
+    def _guard(self, tick: int) -> None:
+        """Have the kernel let in only what may be this session's next packet.
+
+        A flood that starts between two packets of the peer takes the one tick's reads, and no more:
+        copies of what was received before are below the floor, and a copy of what comes next can
+        only come after it.
+        """
+        if self.session is None:
+            return
+        floor = min((item.receiver.highest for item in self.incoming), default=-1) + 1
+        # A peer that is lost may come back with a new session.
+        lost = not all(item.valid for item in self.incoming)
+        self.transport.guard(self.session.session, floor, handshakes=lost)
+        second = GUARD_TIME / self.incoming[0].receiver.bundle.tick if self.incoming else 0
+        self._guarded_until = tick + round(second)
+
+    def _let_everything_in(self) -> None:
+        if self._guarded_until is not None:
+            self._guarded_until = None
+            self.transport.unguard()
 
     def _take(self, datagram: memoryview, tick: int) -> None:
         size = len(datagram)
@@ -146,7 +174,7 @@ class PeerLink:
             self._forward(datagram, self.transport.arrival())
             return
         elif size < HEADER.size and self.incoming:
-            self.incoming[0].receiver.counts[Fate.TRUNCATED] += 1
+            self.incoming[0].receiver.tally[Fate.TRUNCATED] += 1
             return
         self.foreign += 1
 
@@ -177,18 +205,17 @@ class PeerLink:
 
     def _inspect(self, number: int, item: Incoming) -> None:
         """Of newly released values, find the source's age and whether it is active."""
-        values = item.receiver.values
+        values = item.receiver.values.tolist()
         ages, statuses, ticks = self._roles[number]
-        age = int(values[ages].max()) if len(ages) else 0
+        age = max([int(values[index]) for index in ages], default=0)
         for index in ticks:
             # A source that stands still is as old as its last change, whatever it says itself.
             if values[index] != item.source_tick:
-                item.source_tick = float(values[index])
+                item.source_tick = values[index]
                 item.source_changed = item.receiver.tick
             age = max(age, item.receiver.tick - item.source_changed)
         item.source_age = age
-        status = values[statuses].astype(np.int64)
-        item.active = bool(np.all((status & (ACTIVE | FAULT)) == ACTIVE))
+        item.active = all(int(values[i]) & (ACTIVE | FAULT) == ACTIVE for i in statuses)
 
     def send(self, tick: int, now: int, epoch: int, *, flags: int = 0) -> None:
         """Send every bundle whose sample is due at ``tick``; fill ``writers[i].values`` before."""

@@ -7,6 +7,7 @@ the value makes sense.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from enum import IntEnum, StrEnum
 
@@ -20,6 +21,9 @@ WINDOW = 128
 """Sequences back from the highest for which a second copy is told from a first, late one."""
 WINDOW_MASK = (1 << WINDOW) - 1
 WAITING_SLOTS = 16
+LARGEST_VALUE = sys.float_info.max / 2.0
+"""What a field without a range may hold: not infinity, and two of them have a difference."""
+_NEVER = sys.maxsize
 
 
 class Fate(IntEnum):
@@ -88,8 +92,8 @@ class Receiver:
         self.sequence = -1
         self.released_at = -1
         """Session tick at which the held values were released."""
-        self.counts: NDArray[np.int64] = np.zeros(len(Fate), dtype=np.int64)
-        """By :class:`Fate`."""
+        self.tally = [0] * len(Fate)
+        """How many datagrams met each :class:`Fate`."""
         self.overdue = 0
         """Accepted packets that missed the sample their delay meant them for."""
         self.stopping = False
@@ -105,28 +109,48 @@ class Receiver:
         self.acknowledged = -1
         """Highest own sequence that the peer says it has received."""
         self._seen = 0
-        self._minimum = bundle.spread("minimum")
-        self._maximum = bundle.spread("maximum")
+        self._minimum = np.maximum(bundle.spread("minimum"), -LARGEST_VALUE)
+        self._maximum = np.minimum(bundle.spread("maximum"), LARGEST_VALUE)
         self._step = bundle.spread("speed") * float(bundle.tick)
+        self._sample_step = self._step * bundle.period
         self._reference: Floats = np.zeros(size)
         self._reference_tick: int | None = None
         self._scratch: Floats = np.zeros(size)
-        self._mask = np.zeros(size, dtype=np.bool_)
+        # Comparisons write into bytes: to look for a 0 there takes a tenth of NumPy's ``all``.
+        self._passed = bytearray(2 * size)
+        self._above = np.frombuffer(self._passed, dtype=np.bool_, count=size)
+        self._below = np.frombuffer(self._passed, dtype=np.bool_, count=size, offset=size)
         self._slots: Floats = np.zeros((WAITING_SLOTS, size))
-        self._slot_sequence = [-1] * WAITING_SLOTS
+        self._slot_sequence = [0] * WAITING_SLOTS
         self._slot_tick = [0] * WAITING_SLOTS
         self._slot_due = [0] * WAITING_SLOTS
+        self._free = list(range(WAITING_SLOTS))
+        self._waiting: list[int] = []
+        """Slots in use, mostly one or none."""
+        self._next_due = _NEVER
+        """Session tick at which the first waiting packet is due."""
         self._reader: DataReader | None = None
+        self._expected: tuple[object, ...] = ()
+        """What the header must say before the sequence."""
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """:attr:`tally` as an array, shape (len(Fate),)."""
+        return np.array(self.tally, dtype=np.int64)
 
     def renew(self, opener: Opener | None) -> None:
         """Go on under a new session; the held values stay until one of its packets is released."""
-        self._reader = None if opener is None else DataReader(opener, self.bundle.size)
+        self._reader = None
+        if opener is not None:
+            stream = self.bundle.stream
+            self._reader = DataReader(opener, stream, self.bundle.size)
+            self._expected = (MAGIC, VERSION, int(Kind.DATA), stream, 0, opener.session)
         self.highest = -1
         self.sequence = -1
         self._seen = 0
         self._reference_tick = None
         self.stopping = False
-        self._slot_sequence = [-1] * WAITING_SLOTS
+        self._set_free(list(self._waiting))
 
     def allow(self, *, late_after: int) -> None:
         """Set the age (base ticks) at which a packet is dropped."""
@@ -135,15 +159,18 @@ class Receiver:
     def accept(self, datagram: memoryview, now: int) -> Fate:
         """Take a datagram whose header names this stream, at session tick ``now``."""
         fate = self._judge(datagram, now)
-        self.counts[fate] += 1
+        self.tally[fate] += 1
         return fate
 
     def take_initial(self, datagram: memoryview) -> bool:
         """Before the start: hold the values that the peer has at its first tick."""
         reader = self._reader
-        if reader is None or len(datagram) != reader.size or not self._ours(datagram, reader):
+        if reader is None or len(datagram) != reader.size:
             return False
-        opened = reader.open(datagram)
+        *header, sequence = HEADER.unpack_from(datagram)
+        if tuple(header) != self._expected:
+            return False
+        opened = reader.open(datagram, sequence)
         if opened is None or not self._in_range(reader.values) or not opened[6] & Flag.INITIAL:
             return False
         np.copyto(self.values, reader.values)
@@ -151,47 +178,39 @@ class Receiver:
 
     def release(self, now: int) -> bool:
         """At session tick ``now``, show the freshest values that are due; whether there are any."""
-        best = -1
-        for slot, sequence in enumerate(self._slot_sequence):
-            due = sequence >= 0 and self._slot_due[slot] <= now
-            if due and (best < 0 or sequence > self._slot_sequence[best]):
-                best = slot
-        if best < 0:
+        if now < self._next_due:
             return False
-        self.sequence = self._slot_sequence[best]
+        sequences = self._slot_sequence
+        due = [slot for slot in self._waiting if self._slot_due[slot] <= now]
+        best = max(due, key=sequences.__getitem__)
+        self.sequence = sequences[best]
         self.tick = self._slot_tick[best]
         self.released_at = now
         np.copyto(self.values, self._slots[best])
-        self._slot_sequence[best] = -1
-        for slot, sequence in enumerate(self._slot_sequence):
-            if 0 <= sequence < self.sequence:
-                self._slot_sequence[slot] = -1
-                self.counts[Fate.SUPERSEDED] += 1
+        done = [slot for slot in self._waiting if sequences[slot] <= self.sequence]
+        self.tally[Fate.SUPERSEDED] += len(done) - 1
+        self._set_free(done)
         return True
 
-    def _ours(self, datagram: memoryview, reader: DataReader) -> bool:
-        magic, version, kind, stream, zero, session, _ = HEADER.unpack_from(datagram)
-        return (
-            magic == MAGIC
-            and version == VERSION
-            and kind == Kind.DATA
-            and stream == self.bundle.stream
-            and zero == 0
-            and session == reader.opener.session
-        )
+    def _set_free(self, slots: list[int]) -> None:
+        for slot in slots:
+            self._waiting.remove(slot)
+            self._free.append(slot)
+        self._next_due = min([self._slot_due[slot] for slot in self._waiting], default=_NEVER)
 
     def _judge(self, datagram: memoryview, now: int) -> Fate:
         reader = self._reader
         if len(datagram) < HEADER.size:
             return Fate.TRUNCATED
-        if reader is None or not self._ours(datagram, reader):
+        header = HEADER.unpack_from(datagram)
+        if reader is None or header[:6] != self._expected:
             return Fate.FOREIGN
         if len(datagram) != reader.size:
             return Fate.TRUNCATED
-        opened = reader.open(datagram)
+        sequence: int = header[6]
+        opened = reader.open(datagram, sequence)
         if opened is None:
             return Fate.FORGED
-        sequence: int = HEADER.unpack_from(datagram)[6]
         fate = self._first_copy(sequence)
         if fate is not Fate.ACCEPTED:
             return fate
@@ -234,22 +253,21 @@ class Receiver:
 
     def _in_range(self, values: Floats) -> bool:
         # A NaN compares false with everything, so both conditions have to hold.
-        np.greater_equal(values, self._minimum, out=self._mask)
-        if not self._mask.all():
-            return False
-        np.less_equal(values, self._maximum, out=self._mask)
-        return bool(self._mask.all())
+        np.greater_equal(values, self._minimum, out=self._above)
+        np.less_equal(values, self._maximum, out=self._below)
+        return self._passed.find(0) < 0
 
     def _jumps(self, values: Floats, sampled: int) -> bool:
         last = self._reference_tick
         if last is not None:
             # At least one sample: two packets of one tick still differ by what a tick allows.
             ticks = max(abs(sampled - last), self.bundle.period)
+            limit = self._sample_step if ticks == self.bundle.period else self._step * ticks
             np.subtract(values, self._reference, out=self._scratch)
             np.abs(self._scratch, out=self._scratch)
-            self._scratch /= ticks
-            np.greater(self._scratch, self._step, out=self._mask)
-            if self._mask.any():
+            np.less_equal(self._scratch, limit, out=self._below)
+            # What was above the minimum in the range check still is.
+            if self._passed.find(0) >= 0:
                 return True
         np.copyto(self._reference, values)
         self._reference_tick = sampled
@@ -257,16 +275,23 @@ class Receiver:
 
     def _keep(self, values: Floats, sequence: int, tick: int, now: int) -> None:
         """Put accepted values into a waiting slot, due when the release policy says."""
-        slot = min(range(WAITING_SLOTS), key=self._slot_sequence.__getitem__)
-        if self._slot_sequence[slot] >= 0:
-            self.counts[Fate.SUPERSEDED] += 1
+        if not self._free:
+            # The oldest packet gives way.
+            self._set_free([min(self._waiting, key=self._slot_sequence.__getitem__)])
+            self.tally[Fate.SUPERSEDED] += 1
+        slot = self._free.pop()
+        self._waiting.append(slot)
         due = now
         if self.settings.release is Release.NETWORK_TICK:
             period = self.bundle.period
-            due = max(-(-now // period) * period, tick + self.settings.delay * period)
-            if due > tick + self.settings.delay * period:
+            wanted = tick + self.settings.delay * period
+            due = -(-now // period) * period
+            if due > wanted:
                 self.overdue += 1
+            else:
+                due = wanted
         np.copyto(self._slots[slot], values)
         self._slot_sequence[slot] = sequence
         self._slot_tick[slot] = tick
         self._slot_due[slot] = due
+        self._next_due = min(self._next_due, due)

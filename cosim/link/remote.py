@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.component import Causality, Cells, Component, Setup, Variable, VariableType
-from cosim.link.bundle import Field
+from cosim.link.bundle import Bundle, Field
 from cosim.link.clock import PhaseFollower
 from cosim.link.peer_link import Incoming, PeerLink
 from cosim.link.settings import ClockMode
@@ -44,12 +45,19 @@ class _Shown:
     """Where one incoming stream's values and state go."""
 
     item: Incoming
-    values: list[tuple[Cells, slice]]
+    elements: list[tuple[Cells, int]]
+    """For each element of the packet, the cells it goes to and its place there."""
     weight: Cells
     valid: Cells
     age: Cells
     state: Cells
     sequence: Cells
+
+    def show_values(self) -> None:
+        """Copy the packet's elements; one by one, because each may lie somewhere else."""
+        values: list[float] = self.item.receiver.values.tolist()
+        for (cells, place), value in zip(self.elements, values, strict=True):
+            cells[place] = value
 
 
 class RemoteStation(Component):
@@ -83,7 +91,8 @@ class RemoteStation(Component):
         self._update_every = max(1, round(1e9 / grid.tick_ns))
         self._variables = _variables(link)
         self._shown: list[_Shown] = []
-        self._gather: list[tuple[list[tuple[Cells, slice]], NDArray[np.float64]]] = []
+        self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
+        self._send_every = gcd(*(bundle.period for bundle in link.outgoing)) or 1
         self._facts: dict[str, Cells] = {}
 
     @property
@@ -103,12 +112,13 @@ class RemoteStation(Component):
             self._shown.append(
                 _Shown(
                     item,
-                    [(outputs[name], place) for name, place in bundle.slices.items()],
+                    _elements(bundle, outputs),
                     *(outputs[f"{channel}.{fact}"] for fact in _STREAM_FACTS),
                 )
             )
         self._gather = [
-            ([(inputs[name], place) for name, place in bundle.slices.items()], writer.values)
+            # A memory view gives plain numbers, which costs half of NumPy's.
+            ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer.values)
             for bundle, writer in zip(self.link.outgoing, self.link.writers, strict=True)
         ]
         self._facts = {name: outputs[name] for name in _LINK_FACTS}
@@ -123,8 +133,7 @@ class RemoteStation(Component):
         self.link.release(session_tick)
         for shown in self._shown:
             if shown.item.fresh:
-                for cells, place in shown.values:
-                    cells.reshape(-1)[:] = shown.item.receiver.values[place]
+                shown.show_values()
             self._show(shown)
         often = self._update_every // 8 if not self.link.clock.ready else self._update_every
         if session_tick % max(1, often) == 0:
@@ -134,22 +143,19 @@ class RemoteStation(Component):
         """Send what is due at this tick."""
         session_tick = tick + self.grid.first_tick
         self._tick = session_tick
-        due = any(session_tick % bundle.period == 0 for bundle in self.link.outgoing)
-        if due:
+        if session_tick % self._send_every == 0:
             self.collect()
             self.link.send(session_tick, self._now(), self.grid.epoch)
 
     def collect(self) -> None:
         """Copy the inputs into the packets."""
-        for parts, values in self._gather:
-            for cells, place in parts:
-                values[place] = cells.reshape(-1)
+        for cells, values in self._gather:
+            values[:] = [cell[place] for cell, place in cells]
 
     def show_initial(self) -> None:
         """Show values that came before the start."""
         for shown in self._shown:
-            for cells, place in shown.values:
-                cells.reshape(-1)[:] = shown.item.receiver.values[place]
+            shown.show_values()
 
     def close(self) -> None:
         """Announce an orderly stop."""
@@ -198,6 +204,15 @@ class RemoteStation(Component):
 
 _STREAM_FACTS = ("weight", "valid", "age", "state", "sequence")
 _LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
+
+
+def _elements(bundle: Bundle, cells: Mapping[str, Cells]) -> list[tuple[Cells, int]]:
+    """Where each element of a bundle lies."""
+    return [
+        (cells[field.name].reshape(-1), place)
+        for field in bundle.fields
+        for place in range(field.size)
+    ]
 
 
 def _variables(link: PeerLink) -> tuple[Variable, ...]:

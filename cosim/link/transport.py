@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import select
 import socket
 import struct
 import sys
@@ -11,6 +12,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from cosim.errors import InputError
+from cosim.link.kernel_filter import attach, dropped, session_filter, size_filter
+
+if sys.platform != "win32":
+    import fcntl
 
 RECEIVE_BUFFER = 1 << 17
 """Bytes the kernel may queue: some hundred packets, so a flood is dropped there and not stored."""
@@ -36,6 +41,14 @@ class Transport(Protocol):
 
     def discard(self) -> int:
         """Throw away what waits, up to a bound; how many datagrams that was."""
+        ...
+
+    def guard(self, session: int, floor: int, *, handshakes: bool) -> None:
+        """In a flood: let in data of one session from a sequence on, and perhaps handshakes."""
+        ...
+
+    def unguard(self) -> None:
+        """Let everything in again that is as short as the link's datagrams."""
         ...
 
 
@@ -113,6 +126,7 @@ def open_socket(listen: Address, peer: Address | None, *, shared: bool = False) 
     try:
         link.setblocking(False)
         link.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        attach(link, size_filter())
         if shared:
             link.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         link.bind(place)
@@ -134,6 +148,10 @@ class UdpTransport:
         """Sends that met no listener (the peer has not bound its socket yet, or is gone)."""
         self.unsent = 0
         """Sends that failed otherwise: no route, full buffer."""
+        # To ask first costs a sixth of a read that finds nothing, which is most of them.
+        self._poll = select.poll() if hasattr(select, "poll") else None
+        if self._poll is not None:
+            self._poll.register(link, select.POLLIN)
         self._stamp = bytearray(_STAMP.size)
         self._bin = memoryview(bytearray(1))
         self._has_stamps = False
@@ -141,8 +159,6 @@ class UdpTransport:
             self._enable_stamps()
 
     def _enable_stamps(self) -> None:
-        import fcntl
-
         try:
             # The first request switches stamping on and finds no stamp yet.
             fcntl.ioctl(self.socket.fileno(), _SIOCGSTAMPNS, self._stamp, True)
@@ -155,6 +171,8 @@ class UdpTransport:
 
     def receive(self, buffer: memoryview) -> int:
         """The next datagram's size, or -1 where none waits."""
+        if self._poll is not None and not self._poll.poll(0):
+            return -1
         try:
             return self.socket.recv_into(buffer)
         except ConnectionRefusedError:
@@ -173,10 +191,8 @@ class UdpTransport:
     def arrival(self) -> int:
         """When the datagram just received reached the kernel (ns, monotonic)."""
         now = time.monotonic_ns()
-        if not self._has_stamps:
+        if sys.platform == "win32" or not self._has_stamps:
             return now
-        import fcntl
-
         try:
             fcntl.ioctl(self.socket.fileno(), _SIOCGSTAMPNS, self._stamp, True)
         except OSError:
@@ -213,3 +229,16 @@ class UdpTransport:
             if self.receive(self._bin) < 0:
                 return count
         return 256
+
+    def guard(self, session: int, floor: int, *, handshakes: bool) -> None:
+        """In a flood: let in data of one session from a sequence on, and perhaps handshakes."""
+        attach(self.socket, session_filter(session, floor, handshakes=handshakes))
+
+    def unguard(self) -> None:
+        """Let everything in again that is as short as the link's datagrams."""
+        attach(self.socket, size_filter())
+
+    @property
+    def dropped_by_kernel(self) -> int:
+        """Datagrams that the kernel threw away: too long, kept out in a flood, or no room."""
+        return dropped(self.socket)

@@ -206,6 +206,7 @@ def _facts(
             "unsent": getattr(transport, "unsent", 0),
             "foreign": link.foreign,
             "flood": link.flood,
+            "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
             "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
             "clock_skew": clock.skew if clock.ready else None,
             "round_trip": clock.round_trip if clock.ready else None,

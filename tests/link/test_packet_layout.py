@@ -101,13 +101,13 @@ def test_another_program_can_read_the_example() -> None:
 def test_every_value_and_time_survives_the_way(values, tick, times, acknowledged) -> None:
     a, b = both_ends()
     writer = DataWriter(Sealer(a.outgoing, a.session), 3, len(values))
-    reader = DataReader(Opener(b.incoming, b.session), len(values))
+    reader = DataReader(Opener(b.incoming, b.session), 3, len(values))
     writer.values[:] = values
     sent, echo_sent, echo_received = times
     writer.seal(
         tick, sent, echo_sent=echo_sent, echo_received=echo_received, acknowledged=acknowledged
     )
-    opened = reader.open(writer.datagram)
+    opened = reader.open(writer.datagram, 0)
     assert opened == (tick, sent, echo_sent, echo_received, 0, acknowledged, 0, 0)
     assert reader.values.tobytes() == writer.values.tobytes()
 

@@ -50,6 +50,12 @@ class SimulatedTransport:
         self.queue.clear()
         return count
 
+    def guard(self, session: int, floor: int, *, handshakes: bool) -> None:
+        """There is no kernel here."""
+
+    def unguard(self) -> None:
+        """There is no kernel here."""
+
 
 def bundle(source: str, target: str, rate: int, period: int) -> Bundle:
     return Bundle(
