@@ -102,7 +102,8 @@ def run_scenario(
         manifest = describe(scenario, _components(simulation))
         manifest["notes"] = list(simulation.notes)
         recorder = _FolderRecorder(scenario, out, manifest, began)
-        error = _run(simulation, recorder, execute or _here(recorder, pacer, ended), progress)
+        loop = _elsewhere(execute, ended) if execute else _here(recorder, pacer, ended)
+        error = _run(simulation, recorder, loop, progress)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")
@@ -143,6 +144,21 @@ def _here(recorder: Recorder, pacer: Pacer | None, ended: Callable[[], None] | N
                 spool.drain()
 
     return run_here
+
+
+def _elsewhere(execute: Execute, ended: Callable[[], None] | None) -> Execute:
+    """Run where ``execute`` does; its loop is over when it returns, however it does."""
+
+    def run_elsewhere(
+        simulation: Simulation, recorder: Recorder, progress: Progress | None
+    ) -> None:
+        try:
+            execute(simulation, recorder, progress)
+        finally:
+            if ended is not None:
+                ended()
+
+    return run_elsewhere
 
 
 def _run(

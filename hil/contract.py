@@ -131,3 +131,14 @@ class Watchdog:
 
     timeout: float | None = None
     verified: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BusUse:
+    """Data bytes of each frame that a device has on its CAN bus in one tick.
+
+    ``shared`` frames are sent once for all devices of the bus (SYNC).
+    """
+
+    frames: tuple[int, ...]
+    shared: tuple[int, ...] = ()

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from hil.address import Address
-from hil.contract import ZERO, Sample, Watchdog
+from hil.contract import ZERO, BusUse, Sample, Watchdog
 from hil.device_file import DeviceFile
 from hil.linkage import Pair
 from hil.permission import Permission
@@ -68,6 +68,12 @@ class Driver(ABC):
         self.zeros_confirmed = 0
         """Answers so far that confirm a torque of zero; hooks count them."""
         self._clock = clock
+
+    @classmethod
+    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse | None:
+        """The frames of one tick that ``cohaptic check`` counts; ``None`` off a CAN bus."""
+        del address, file
+        return None
 
     @property
     def watchdog(self) -> Watchdog:

@@ -60,12 +60,14 @@ def _check(
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
     from cosim.analysis import load_tuned
+    from cosim.cli.check_devices import check_devices
     from cosim.master.simulation import assemble
     from cosim.scenario.describe import describe
 
     loaded = load_tuned(scenario, overlays, sets)
     with assemble(loaded) as simulation:
-        return loaded, {**describe(loaded), **_plan(simulation)}
+        devices = check_devices(loaded, simulation)
+        return loaded, {**describe(loaded), **_plan(simulation), **devices}
 
 
 def _plan(simulation: Simulation) -> dict[str, Any]:
@@ -106,6 +108,8 @@ def _problems(error: InputError) -> list[dict[str, Any]]:
 
 
 def _text(report: dict[str, Any]) -> str:
+    from cosim.cli.check_devices import bus_rows, device_rows
+
     time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
     lines = [report["title"] or report["name"], f"{time}, seed {report['seed']}"]
     rates = [[f"{n}", f"{r['rate']:g} Hz", _ticks(r["period"])] for n, r in report["rates"].items()]
@@ -135,11 +139,14 @@ def _text(report: dict[str, Any]) -> str:
         ("Channels", channels),
         ("Packets", packets),
         ("Recorded", recorded),
+        ("Devices", device_rows(report)),
+        ("CAN buses", bus_rows(report)),
     ):
         lines += ["", title, *_table(rows)] if rows else []
     order = " > ".join(stage["component"] for stage in report["order"])
     lines += ["", "Evaluation order within a tick", *wrap(order, 98, **_INDENT)] if order else []
-    for title, sentences in (("Lagging one step", "lagging"), ("Notes", "notes")):
+    told = (("Lagging one step", "lagging"), ("Notes", "notes"), ("Warnings", "warnings"))
+    for title, sentences in told:
         lines += ["", title, *(f"  {s}" for s in report[sentences])] if report[sentences] else []
     return "\n".join(lines)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cosim.component import Causality, Component, Role
-from cosim.errors import InputError
+from cosim.component import Causality, Component
 from cosim.master.clock import Clock
 from cosim.master.connections import wire
 from cosim.master.layout import Layout, lay_out
@@ -16,7 +15,7 @@ from cosim.master.problems import Problems
 from cosim.master.recording import RecordGroup
 from cosim.master.selection import describe_groups, select_recorded
 from cosim.master.wiring import Signal, Wiring
-from cosim.scenario import Kind, Scenario
+from cosim.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,6 @@ def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
-    _check_device_outputs(scenario, participants, wiring, problems)
     problems.raise_any()
 
     parts = {
@@ -105,24 +103,3 @@ def _read_variables(
         {name: tuple(sorted(names)) for name, names in outputs.items()},
         {name: tuple(sorted(names)) for name, names in local.items()},
     )
-
-
-def _check_device_outputs(
-    scenario: Scenario,
-    participants: Mapping[str, Participant],
-    wiring: Wiring,
-    problems: Problems,
-) -> None:
-    """A device has no value for what only a simulation knows, so nothing may be fed by it."""
-    sources = [(w.source, w.target) for w in wiring.wires]
-    for source, target in sources:
-        if not isinstance(source, Signal):
-            continue
-        written = scenario.components[source.component]
-        variable = participants[source.component].interface.variables[source.variable]
-        if written.kind is Kind.DEVICE and variable.role is Role.SIMULATION_ONLY:
-            with problems.at(("connections",)):
-                raise InputError(
-                    f"{wiring.connection_of[target]}: {source.component} is a device, which cannot "
-                    f"measure {source.variable}; only a simulated one has it"
-                )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from cosim.component import Causality, Variable, VariableType
+from cosim.component import Causality, Role, Variable, VariableType
 from cosim.errors import InputError
 from cosim.master.channels import Fates, fates_of
 from cosim.master.interface import Element, Interface, Selection
@@ -57,6 +57,7 @@ class _Wirer:
         bundle = self._bundle(connection)
         for pair in pairs:
             self._check_driver(connection, pair)
+            self._check_measurable(connection, pair)
             gain, offset, from_integer = self._conversion(connection, pair)
             source: Source = pair.source
             if bundle is not None:
@@ -186,6 +187,17 @@ class _Wirer:
                 f"{connection}; remove one"
             )
         self.wiring.connection_of[pair.target] = str(connection)
+
+    def _check_measurable(self, connection: Connection, pair: _Pair) -> None:
+        """A device has no value for what only a simulation knows, so nothing may be fed by it."""
+        source = self.scenario.components.get(connection.source.component)
+        if source is None or source.kind is not Kind.DEVICE:
+            return
+        if pair.source_variable.role is Role.SIMULATION_ONLY:
+            raise InputError(
+                f"{connection}: {source.name} is a device, which cannot measure "
+                f"{pair.source_variable.name}; only a simulated one has it"
+            )
 
     def _is_playback(self, connection: Connection) -> bool:
         """A record keeps booleans as whole numbers; the kernel sees to it that they are 0 or 1."""

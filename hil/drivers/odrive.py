@@ -12,11 +12,12 @@ from math import pi
 from typing import Any, ClassVar
 
 from cosim.errors import InputError
-from hil.address import numbers
+from hil.address import Address, numbers
 from hil.canbus import CanBus, open_bus
-from hil.contract import ZERO, Sample, State, Watchdog
+from hil.contract import ZERO, BusUse, Sample, State, Watchdog
 from hil.conversion import TorqueDrive
 from hil.device import Device
+from hil.device_file import DeviceFile
 from hil.errors import BoardError, DeviceError
 from hil.linkage import Pair
 from hil.protocols import odrive as wire
@@ -35,6 +36,12 @@ class OdriveDevice(Device):
     latency_ticks: ClassVar[int] = 1
 
     _bus: CanBus | None = None
+
+    @classmethod
+    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
+        """Both axes' estimates and torques."""
+        del address, file
+        return BusUse(FRAMES)
 
     @property
     def watchdog(self) -> Watchdog:
