@@ -251,6 +251,10 @@ def raw_bus(address: Address) -> Any:
     import can
 
     try:
+        if address.transport == "slcan":
+            from hil.slcan import StrictSlcanBus
+
+            return StrictSlcanBus(**_options(address))
         return can.Bus(**_options(address))
     except (can.CanError, OSError, ValueError) as error:
         raise DeviceGone(f"the CAN bus of {address.url} cannot be opened: {error}") from error
@@ -266,10 +270,9 @@ def _options(address: Address) -> Mapping[str, Any]:
             "hop_limit": 0,
         }
     options: dict[str, Any] = {
-        "interface": address.transport,
         "channel": address.place,
         "bitrate": int(number(address, "bitrate", BITRATE)),
     }
     if address.transport == "slcan":
-        options["sleep_after_open"] = number(address, "sleep_after_open", 2.0)
-    return options
+        return {**options, "sleep_after_open": number(address, "sleep_after_open", 2.0)}
+    return {**options, "interface": address.transport}

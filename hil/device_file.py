@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from difflib import get_close_matches
-from math import isfinite, pi
+from math import pi
 from pathlib import Path
 from typing import Any, cast
 
@@ -41,6 +41,9 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 
 VOLTAGE_DRIVERS = frozenset({"canopen", "nidaqmx", "quanser"})
 """Drivers whose device takes volts; the drive defaults to the preset's motor and amplifier."""
+
+LARGEST = 1e9
+"""No value of a device is as large, in any unit."""
 
 _KEYS = (
     "cohaptic_device",
@@ -130,7 +133,7 @@ def load(path: Path) -> DeviceFile:
         document: Any = YAML(typ="safe").load(path.read_text("utf-8"))  # pyright: ignore[reportUnknownMemberType]
     except OSError as error:
         raise InputError(f"the device file {path} cannot be read: {error.strerror}") from error
-    except YAMLError as error:
+    except (YAMLError, ValueError, RecursionError) as error:  # bytes, or values, that cannot be
         raise InputError(f"the device file {path} is not YAML: {error}") from error
     try:
         return parse(document, path=path)
@@ -292,7 +295,7 @@ def _direction(where: str, value: object) -> int:
 
 
 def _number(where: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
         raise InputError(f"'{where}' has to be a number, it is {value!r}")
     return float(value)
 

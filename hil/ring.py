@@ -28,12 +28,16 @@ class Ring:
     def __init__(self, path: Path) -> None:
         self.path = path
         with path.open("r+b") as file:
+            if path.stat().st_size < 8 * _HEAD_CELLS:
+                raise FileNotFoundError(f"{path} is no ring of ours")
             self._memory = mmap.mmap(file.fileno(), 0)
         head = np.frombuffer(self._memory, np.int64, _HEAD_CELLS)
-        if int(head[0]) != _MAGIC:
+        self.capacity, self.cells = int(head[2]), int(head[3])
+        size = 8 * (_HEAD_CELLS + self.capacity * (self.cells + 2))
+        plausible = self.capacity > 0 and self.cells > 0 and size == len(self._memory)
+        if int(head[0]) != _MAGIC or head[1] < 0 or not plausible:
             raise FileNotFoundError(f"{path} is no ring of ours")
         self.head = head
-        self.capacity, self.cells = int(head[2]), int(head[3])
         body = np.frombuffer(self._memory, np.int64, offset=8 * _HEAD_CELLS)
         records = body.reshape(self.capacity, self.cells + 2)
         self.before, self.after = records[:, 0], records[:, -1]

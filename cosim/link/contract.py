@@ -38,7 +38,7 @@ class Contract:
         try:
             text = zlib.decompressobj().decompress(packed, LARGEST_TEXT)
             loaded = json.loads(text)
-        except (zlib.error, ValueError):
+        except (zlib.error, ValueError, RecursionError):
             return {}
         if not isinstance(loaded, dict):
             return {}

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from math import isfinite
 
 from hil.contract import ZERO
 from hil.emulators.board import Board, Unit
@@ -16,6 +15,8 @@ from hil.emulators.world import World
 from hil.protocols.cobs import COMMAND, REPLY, CommandFlag, ReplyFlag, Splitter, frame
 
 LONGEST_WATCHDOG_MS = 100
+LARGEST_TORQUE = 10.0
+"""A command of as much or more (N.m) is noise, as in the C reference."""
 
 
 class CobsBoard(Board):
@@ -54,7 +55,7 @@ class CobsBoard(Board):
 
     def _command(self, body: bytes) -> bytes | None:
         _, flags, sequence, first, second, watchdog = struct.unpack("<BBHffH", body)
-        if not (isfinite(first) and isfinite(second)):
+        if not (abs(first) < LARGEST_TORQUE and abs(second) < LARGEST_TORQUE):  # no number, too
             return None
         self._last = self._time
         self._watchdog = min(watchdog or LONGEST_WATCHDOG_MS, LONGEST_WATCHDOG_MS) * 1e-3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, field
-from math import pi
+from math import isfinite, pi
 
 from hil.contract import ZERO
 from hil.emulators.board import Board, Frame, Unit
@@ -19,6 +19,7 @@ from hil.protocols.odrive import (
 )
 
 HEARTBEAT_TICKS = 10
+LONGEST_WATCHDOG = 60.0
 WATCHDOG_TIMEOUT, WATCHDOG_ENABLE = 0x0101, 0x0102
 """Endpoint numbers of this emulator; a real one's depend on its firmware."""
 
@@ -69,8 +70,8 @@ class OdriveBoard(Board):
         axis.silence = 0
         try:
             self._command(axis, unit.identifier & 0x1F, unit.data)
-        except struct.error:
-            return []
+        except (struct.error, IndexError):
+            return []  # not as long as its command needs
         self._apply()
         if not all(axis.commanded for axis in self._axes.values()):
             return []
@@ -111,10 +112,11 @@ class OdriveBoard(Board):
                 axis.state, axis.torque = IDLE, 0.0
             case Command.SET_STATE:
                 (wanted,) = struct.unpack("<I", data)
-                axis.state = IDLE if axis.error and wanted != IDLE else wanted
+                if wanted in {IDLE, CLOSED_LOOP}:
+                    axis.state = IDLE if axis.error else wanted
             case Command.SET_TORQUE:
                 (torque,) = struct.unpack("<f", data)
-                axis.torque, axis.commanded = torque, True
+                axis.torque, axis.commanded = torque if isfinite(torque) else 0.0, True
             case Command.CLEAR_ERRORS:
                 axis.error = 0
             case Command.WRITE_ENDPOINT:
@@ -126,7 +128,8 @@ class OdriveBoard(Board):
         _, endpoint, _ = struct.unpack_from("<BHB", data)
         if endpoint == WATCHDOG_TIMEOUT:
             (seconds,) = struct.unpack_from("<f", data, 4)
-            axis.watchdog_ticks = max(1, round(seconds / self._tick))
+            if 0.0 < seconds < LONGEST_WATCHDOG:
+                axis.watchdog_ticks = max(1, round(seconds / self._tick))
         elif endpoint == WATCHDOG_ENABLE:
             axis.enabled = bool(data[4])
 

@@ -149,12 +149,12 @@ class Server:
             self._step_with(None if connection is self._in_step else self._in_step)
             connection.close()
             return
-        if message[:1] == SYNC:
+        if message[:1] == SYNC and len(message) == 9:
             self._step_with(connection)
             self._sync(struct.unpack("<q", message[1:])[0])
             answer = struct.pack("<q", self._link.written)
         else:
-            answer = json.dumps(self._command(json.loads(message))).encode()
+            answer = json.dumps(self._answer_command(message)).encode()
         with contextlib.suppress(OSError):
             connection.send(answer)
 
@@ -177,6 +177,14 @@ class Server:
             self._world.advance()
         for _ in range(self._world.tick - before):
             self._age()
+
+    def _answer_command(self, message: bytes) -> dict[str, Any]:
+        """The answer to a request; an emulator goes on whatever it is asked."""
+        try:
+            request: Any = json.loads(message)
+            return self._command(request)
+        except Exception as error:
+            return {"error": f"what was asked makes no sense: {error!r}"}
 
     def _command(self, request: dict[str, Any]) -> dict[str, Any]:
         world = self._world

@@ -86,8 +86,8 @@ static size_t answer(const Device *device, const uint8_t *command, uint32_t now_
     copy(plain + 4, &now_us, 4);
     copy(plain + 8, count, 8);
     uint16_t crc = crc16(plain, REPLY_PLAIN - 2);
-    plain[REPLY_PLAIN - 2] = (uint8_t)crc;
-    plain[REPLY_PLAIN - 1] = (uint8_t)(crc >> 8);
+    plain[REPLY_PLAIN - 2] = (uint8_t)(crc >> 8);
+    plain[REPLY_PLAIN - 1] = (uint8_t)crc;
     return stuff(plain, REPLY_PLAIN, reply);
 }
 
@@ -103,7 +103,7 @@ size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32
     size_t length = device->overflow ? 0 : unstuff(device->pending, device->length, plain);
     device->length = device->overflow = 0;
     if (length != COMMAND_BYTES || plain[0] != COMMAND) return 0;
-    uint16_t given = (uint16_t)(plain[length - 2] | plain[length - 1] << 8);
+    uint16_t given = (uint16_t)(plain[length - 2] << 8 | plain[length - 1]);
     if (crc16(plain, length - 2) != given || !take(device, plain, now_us)) return 0;
     return answer(device, plain, now_us, count, reply);
 }

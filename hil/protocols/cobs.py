@@ -1,8 +1,9 @@
 """Our own serial protocol for home-made boards: COBS frames with CRC-16 and sequence numbers.
 
 A frame is COBS(payload + CRC) and a zero byte, so a reader is back in step at the next zero byte
-whatever was lost. CRC-16/CCITT-FALSE (polynomial 0x1021, initial 0xFFFF), little-endian like all
-else. Source of COBS: S. Cheshire and M. Baker, IEEE/ACM Trans. Networking 7(2), 1999.
+whatever was lost. CRC-16/CCITT-FALSE (polynomial 0x1021, initial 0xFFFF), high byte first, because
+only in that order does it notice every burst of up to 16 bits that reaches into it; all else is
+little-endian. Source of COBS: S. Cheshire and M. Baker, IEEE/ACM Trans. Networking 7(2), 1999.
 
 Command (16 bytes, 18 on the wire): kind 0x01, flags, sequence u16, torque f32 x 2 (N.m), watchdog
 u16 (ms), CRC. Reply (20 bytes, 22 on the wire): kind 0x81, status, sequence of the command it
@@ -83,7 +84,7 @@ def unstuff(data: bytes) -> bytes | None:
 
 def frame(payload: bytes) -> bytes:
     """A whole frame with its checksum and the closing zero byte."""
-    return stuff(payload + struct.pack("<H", crc(payload))) + b"\0"
+    return stuff(payload + struct.pack(">H", crc(payload))) + b"\0"
 
 
 def payload(stuffed: bytes) -> bytes | None:
@@ -91,7 +92,7 @@ def payload(stuffed: bytes) -> bytes | None:
     data = unstuff(stuffed)
     if data is None or len(data) <= CRC_BYTES:
         return None
-    body, (given,) = data[:-CRC_BYTES], struct.unpack("<H", data[-CRC_BYTES:])
+    body, (given,) = data[:-CRC_BYTES], struct.unpack(">H", data[-CRC_BYTES:])
     return body if crc(body) == given else None
 
 

@@ -1,0 +1,138 @@
+"""CAN: ODrive's frames on both sides, and python-can's ``slcan`` as it is used here."""
+
+from __future__ import annotations
+
+import copy
+import functools
+from math import isfinite, pi
+from types import SimpleNamespace
+from typing import Any
+
+from hil.address import parse
+from hil.canbus import CanBus
+from hil.contract import State
+from hil.device_file import parse as parse_file
+from hil.drivers.odrive import OdriveDevice
+from hil.emulators.board import Frame
+from hil.emulators.odrive import OdriveBoard
+from hil.emulators.world import World
+from hil.errors import ProtocolError
+from hil.protocols import odrive
+from hil.slcan import StrictSlcanBus
+from tests.fuzz.script import Script, spoil
+from tests.fuzz.wire import TICK, Rest
+
+PLACE = (1.0, 2.0)
+
+
+def odrive_frames(data: bytes) -> None:
+    """Any data field is values or a protocol error."""
+    try:
+        error, state = odrive.heartbeat(data)
+        assert 0 <= error < 2**32
+        assert 0 <= state < 256
+    except ProtocolError:
+        assert len(data) < 5
+    try:
+        values = odrive.estimates(data)
+    except ProtocolError:
+        return
+    assert len(data) == 8
+    assert all(isfinite(value) for value in values)
+
+
+def odrive_board(data: bytes) -> None:
+    """Whatever frames come, the axes' torque is a number, and none without closed loop."""
+    script = Script(data)
+    board = OdriveBoard(World(Rest(PLACE), lockstep=bool(script.number(2))))
+    while script.left:
+        identifier = script.number(4) << 5 | script.number(32)
+        board.receive(Frame(identifier, script.take(script.number(9))))
+        if script.number(4) == 1:
+            board.tick()
+        assert all(isfinite(torque) for torque in board.world.torque)
+
+
+def odrive_driver(data: bytes) -> None:
+    """Any frames on the bus: a measurement that was sent, or a fault; never an exception."""
+    script = Script(data)
+    device, bus = _driver()
+    for tick in range(1 + script.number(30)):
+        sent = []
+        for _ in range(script.number(4)):
+            identifier, content = script.number(2) << 5 | script.number(32), script.take(8)
+            content = content[: 8 - script.number(9) % 9] if script.number(4) == 1 else content
+            bus.raw.inbox.append((identifier, content))
+            sent.append((identifier, content))
+        measured = device.read(tick)
+        device.write(tick, (0.0, 0.0))
+        if measured.sample_age == 0 and device.state is not State.FAULT:
+            for node in (0, 1):
+                latest = bus.latest(odrive.identifier(node, odrive.Command.ESTIMATES))
+                assert latest is not None
+                turns = odrive.estimates(latest[1])[0]
+                assert measured.joint_angle[node] == 2 * pi * turns
+
+
+class FakeBus:
+    """python-can's bus with frames that a test puts into it."""
+
+    def __init__(self) -> None:
+        self.inbox: list[tuple[int, bytes]] = []
+
+    def send(self, message: Any) -> None: ...
+
+    def recv(self, timeout: float) -> Any:
+        if not self.inbox:
+            return None
+        identifier, data = self.inbox.pop(0)
+        return SimpleNamespace(
+            arbitration_id=identifier,
+            data=data,
+            is_remote_frame=False,
+            is_extended_id=False,
+            is_error_frame=False,
+        )
+
+    def shutdown(self) -> None: ...
+
+
+def _driver() -> tuple[OdriveDevice, CanBus]:
+    return copy.deepcopy(_made())
+
+
+@functools.cache
+def _made() -> tuple[OdriveDevice, CanBus]:
+    device = OdriveDevice(
+        parse("odrive+fake://can0?lockstep=1"), parse_file({"driver": "odrive"}), tick=TICK
+    )
+    bus = CanBus(name="fake", raw=FakeBus(), key=("fake", "can0"), bitrate=1e6, budget=0.0)
+    bus.users[device] = ()
+    device._bus, device._nodes, device._sequence, device._closed = bus, (0, 1), 0, False
+    device._seen, device._beats, device._states = {0: 0, 1: 0}, {0: 0, 1: 0}, {0: 0, 1: 0}
+    device.state = State.INACTIVE
+    return device, bus
+
+
+def slcan_bus(data: bytes) -> None:
+    """Any bytes from an adapter: frames or nothing, and in step at the second line."""
+    bus = _slcan()
+    bus.serialPortOrig.read(4096)
+    script = Script(data)
+    lines = [f"t{0x029 + n:03x}8{n:016x}\r".encode() for n in range(script.number(6))]
+    stream = spoil(b"".join(lines), script) + script.rest()
+    bus.serialPortOrig.write(stream[:2000] + b"t1231AB\rt1241CD\r")
+    found = []
+    while (message := bus.recv(0)) is not None:
+        assert message.dlc == len(message.data) <= 8
+        assert (message.is_extended_id, message.is_remote_frame, message.is_fd) == (False,) * 3
+        found.append((message.arbitration_id, bytes(message.data)))
+    assert found[-1] == (0x124, b"\xcd")
+
+
+@functools.cache
+def _slcan() -> StrictSlcanBus:
+    return StrictSlcanBus("loop://", sleep_after_open=0.0)
+
+
+TARGETS = {each.__name__: each for each in (odrive_frames, odrive_board, odrive_driver, slcan_bus)}
