@@ -90,12 +90,16 @@ class CanBus:
     """Identifiers that every tick's collection waits for, up to the deadline."""
     begin_tick: Callable[[], None] | None = None
     """What opens a tick's collection: sending SYNC."""
+    events: dict[int, list[bytes]] = field(default_factory=dict[int, "list[bytes]"])
+    """Identifiers of which every frame matters, with those that nobody has taken yet."""
     extra: tuple[int, ...] = ()
     """Sizes of the frames that the bus itself sends in a tick (SYNC)."""
     sent: int = 0
     _received: int = 0
     _mine: set[int] = field(default_factory=set[int])
     _latest: dict[int, tuple[int, bytes]] = field(default_factory=dict[int, "tuple[int, bytes]"])
+    _before: dict[int, int] = field(default_factory=dict[int, int])
+    """How many frames of an identifier there were before this tick's SYNC."""
     _collected: set[object] = field(default_factory=set[object])
     _stepping: bool = False
     control: Control | None = None
@@ -132,9 +136,13 @@ class CanBus:
         if self.control is not None:
             self.control.close()
             self.control = Control(self.control.path)
-            self._drain(SETTLE_SECONDS)
-            self.count_from_here()
+            self.resume()
         self._drain()
+
+    def resume(self) -> None:
+        """Go on after somebody else has used ``raw``: what came for them is no answer to us."""
+        self._drain(SETTLE_SECONDS)
+        self.count_from_here()
 
     def count_from_here(self) -> None:
         """Take over the emulator's counts; nothing may be under way."""
@@ -171,6 +179,9 @@ class CanBus:
             return
         self._collected = {device}
         if self.begin_tick is not None:
+            # What is here by now answered an earlier SYNC, and does not say which.
+            self._drain()
+            self._before = {name: count for name, (count, _) in self._latest.items()}
             self.begin_tick()
         if self._stepping and self.control is not None:
             expected, end = self.control.sync(self.sent), time.monotonic() + PATIENCE
@@ -190,6 +201,15 @@ class CanBus:
     def latest(self, identifier: int) -> tuple[int, bytes] | None:
         """The newest frame of an identifier: (how many came so far, data)."""
         return self._latest.get(identifier)
+
+    def answer(self, identifier: int) -> bytes | None:
+        """What answered this tick's SYNC under an identifier, ``None`` where nothing did."""
+        count, data = self._latest.get(identifier, (0, b""))
+        return data if count > self._before.get(identifier, 0) else None
+
+    def claim(self, identifiers: Iterable[int]) -> None:
+        """Frames of these identifiers are our own, whoever sends them through ``raw``."""
+        self._mine.update(identifiers)
 
     def _drain(self, wait: float = 0.0) -> set[int]:
         import can
@@ -211,6 +231,8 @@ class CanBus:
             self._received += 1
             count = self._latest[identifier][0] + 1 if identifier in self._latest else 1
             self._latest[identifier] = (count, bytes(message.data))
+            if identifier in self.events:
+                self.events[identifier].append(bytes(message.data))
             seen.add(identifier)
 
 

@@ -26,6 +26,10 @@ class DeviceGone(DeviceError):
     """The port failed: unplugged, closed, or the other end no longer takes bytes."""
 
 
+class NodeLost(DeviceGone):
+    """A node on a bus fell silent, started anew, or left the state that it was put into."""
+
+
 class ProtocolError(DeviceError):
     """Bytes arrived that cannot be a valid answer and that the protocol cannot resynchronise."""
 

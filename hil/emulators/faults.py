@@ -27,6 +27,10 @@ class FaultKind(StrEnum):
     """The motors push with all they have, whatever is commanded."""
     LATCHED = "latched"
     """The motors keep their last torque, whatever is commanded."""
+    RESTART = "restart"
+    """The board starts anew, as after a dip of its supply (CANopen)."""
+    ALARM = "alarm"
+    """The board reports an error of its own (CANopen)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

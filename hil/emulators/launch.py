@@ -82,6 +82,16 @@ def _cobs(order: Order, world: World) -> tuple[Board, Link, str]:
     return kind(world, tick=order.tick, **order.options), link, f"cobs://{link.path}"
 
 
+def _canopen(order: Order, world: World) -> tuple[Board, Link, str]:
+    from hil.emulators.canopen import CanopenBoard
+
+    options = {**order.options, "nodes": tuple(order.options.get("nodes", (1,)))}
+    board = CanopenBoard(world, tick=order.tick, **options)
+    found, link, url = _on_can("canopen", order, board, board.owns)
+    joined = "&" if "?" in url else "?"
+    return found, link, f"{url}{joined}nodes={','.join(str(node) for node in options['nodes'])}"
+
+
 def _on_can(
     name: str, order: Order, board: Board, owns: Callable[[int], bool]
 ) -> tuple[Board, Link, str]:
@@ -100,6 +110,7 @@ def _on_can(
 
 
 BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {
+    "canopen": _canopen,
     "cobs": _cobs,
     "haply": _haply,
     "odrive": _odrive,

@@ -46,9 +46,21 @@ SETUPS["odrive"] = {
 SETUPS["odrive (slcan)"] = {**SETUPS["odrive"], "driver": "odrive", "emulator": "odrive"} | {
     "link": "slcan"
 }
+SETUPS["canopen"] = {"parameters": QUANSER, "file": {}}
+SETUPS["canopen (slcan)"] = {**SETUPS["canopen"], "driver": "canopen", "emulator": "canopen"} | {
+    "link": "slcan"
+}
+for nodes in ((1, 2), (1, 2, 3)):
+    SETUPS[f"canopen ({len(nodes)} nodes)"] = SETUPS["canopen"] | {
+        "driver": "canopen",
+        "emulator": "canopen",
+        "options": {"nodes": nodes},
+        "apart": True,
+    }
 """Per driver: the emulated pantograph's parameters, the device file, the emulator's options."""
 
-DRIVERS = sorted(SETUPS)
+DRIVERS = sorted(name for name, setup in SETUPS.items() if not setup.get("apart"))
+"""Those that go through the whole suite."""
 
 
 @dataclass

@@ -1,0 +1,379 @@
+"""``canopen+socketcan://can0?nodes=1``: CiA 406 encoders and CiA 401 analogue outputs on CAN.
+
+One SYNC a tick: positions are sampled at it and come back in the same tick; outputs take over their
+values on reception. Nodes are set up by ``hil.canopen_setup``; here there are raw frames only.
+From activation on the nodes with outputs watch our heartbeat and drop to zero without it. A node
+that starts anew, changes state or falls silent un-homes the device; an emergency ends in FAULT.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import ceil, pi
+from typing import ClassVar
+
+from cosim.errors import InputError
+from hil.canbus import CanBus, open_bus
+from hil.canopen_layout import layout
+from hil.canopen_setup import Timing, set_up
+from hil.contract import Sample, State, Watchdog
+from hil.conversion import VoltageDrive
+from hil.device import Device
+from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
+from hil.linkage import Pair
+from hil.protocols import canopen as wire
+from hil.protocols.canopen import Index, NmtState, Object, SdoAnswer
+
+HEARTBEAT_MS, WATCHDOG_MS = 5, 20
+"""How often a node and we say that we are alive; how long a node lets us be silent."""
+MISSED_HEARTBEATS = 3
+LEAST_WATCHDOG_TICKS = 4
+TIMEOUT_SECONDS = 2.0
+ANSWER_TICKS = 8
+"""Ticks after which a question about an output is asked again."""
+SETUP_TICKS = 1024
+"""Exchanges within which a node has to do what it was asked, outside the loop."""
+QUIET_TICKS = 4
+"""While nothing is wrong, one in so many zeros is asked back, which keeps the bus's load low."""
+RESIDUAL_SHARE = 0.01
+"""Largest torque at code 0, which outputs drop to by themselves, as a share of the limit."""
+PRESET_TOLERANCE = 0.1
+"""How far the handle may have moved while its position was preset (rad)."""
+
+
+class CanopenDevice(Device):
+    """Two joints on one to three nodes; ``settings`` as ``hil.canopen_layout`` says."""
+
+    driver = "canopen"
+    latency_ticks: ClassVar[int] = 0
+
+    _bus: CanBus | None = None
+    _proved = False
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """The nodes' heartbeat consumers with zero on error, written and read back."""
+        return Watchdog(timeout=self._watchdog_ms * 1e-3, verified=self._proved)
+
+    # --- setting up ------------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        self._layout = layout(self.address, self.file)
+        self._drives = self._checked_drives()
+        self._heartbeat_ms = self._milliseconds("heartbeat", HEARTBEAT_MS)
+        self._watchdog_ms = self._milliseconds("watchdog", WATCHDOG_MS)
+        self._beat_ticks = max(1, int(self._heartbeat_ms * 1e-3 / self.tick))
+        self._silent_ticks = ceil(MISSED_HEARTBEATS * self._heartbeat_ms * 1e-3 / self.tick)
+        self._proved = self._running = self._armed = False
+        self._begin()
+        bus = self._joined()
+        timing = Timing(
+            heartbeat_ms=self._heartbeat_ms,
+            watchdog_ms=self._watchdog_ms,
+            producer=self._producer,
+            timeout=float(self.file.settings.get("timeout", TIMEOUT_SECONDS)),
+        )
+        first, second = self.file.joints
+        found = set_up(
+            bus,
+            self._layout,
+            timing,
+            (first.counts_per_turn, second.counts_per_turn),
+            (self._drives[0].zero_code, self._drives[1].zero_code),
+        )
+        self._ranges, self._number, self._proved = found.ranges, found.serial, True
+        self._begin()
+        bus.keep_step()
+        self._until(self._all_operational, "its nodes do not become operational")
+        self._until(lambda: self._sequence > 0, "its encoders send no positions on SYNC")
+        self._running = True
+
+    def _begin(self) -> None:
+        """What is known of the nodes at the start: nothing."""
+        self._states = dict.fromkeys(self._layout.nodes, NmtState.BOOT_UP)
+        self._silence = dict.fromkeys(self._layout.nodes, 0)
+        self._sequence = self._since_beat = 0
+        self._forget_positions()
+        self._answers: dict[int, SdoAnswer] = {}
+        self._forget_questions()
+
+    def _checked_drives(self) -> tuple[VoltageDrive, VoltageDrive]:
+        drives = [joint.drive for joint in self.file.joints]
+        for drive in drives:
+            if not isinstance(drive, VoltageDrive):
+                raise InputError("a CANopen analogue output takes volts: give 'torque_constant'")
+            if abs(drive.decode(0)) > RESIDUAL_SHARE * self.file.limits.torque:
+                raise InputError(
+                    f"an output that drops to code 0 on an error would leave {drive.decode(0):.4g} "
+                    "N.m with this 'bias': trim the amplifier, so that 0 V is no torque"
+                )
+        assert isinstance(drives[0], VoltageDrive)
+        assert isinstance(drives[1], VoltageDrive)
+        return drives[0], drives[1]
+
+    def _milliseconds(self, name: str, otherwise: int) -> int:
+        """A time of the device file, or one that suits the control rate."""
+        value = self.file.settings.get(name, otherwise)
+        least = ceil(self.tick * 1e3) * (LEAST_WATCHDOG_TICKS if name == "watchdog" else 1)
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
+            raise InputError(f"'settings.{name}' is a time in whole ms, 1 to 1000; not {value!r}")
+        return max(value, least)
+
+    def _joined(self) -> CanBus:
+        bus = self._bus = open_bus(self.address, self.pulse)
+        if bus.users and bus.begin_tick is None:
+            raise InputError(f"{bus.name} carries another protocol; CANopen needs a bus of its own")
+        taken = [node for node in self._layout.nodes if wire.heartbeat_id(node) in bus.events]
+        if taken:
+            raise InputError(f"CANopen node {taken[0]} on {bus.name} belongs to another device")
+        self._producer = wire.LAST_NODE - len(bus.users)
+        bus.extra = (0,)
+        bus.join(self, self._layout.frames, 1 / self.tick)
+        bus.begin_tick = partial(bus.send, wire.SYNC)
+        bus.awaited.update(wire.positions_id(node) for node in self._layout.measuring)
+        for node in self._layout.nodes:
+            bus.events.update({name: [] for name in _told(node)})
+        own = [wire.NMT, wire.SYNC, wire.heartbeat_id(self._producer)]
+        own += [wire.sdo_request_id(node) for node in self._layout.nodes]
+        bus.claim([*own, *(wire.outputs_id(node) for node in self._layout.driving)])
+        return bus
+
+    def _serial(self) -> str | None:
+        return self._number
+
+    # --- every tick ------------------------------------------------------------------------------
+
+    def _receive(self) -> Sample | None:
+        bus = self._opened()
+        bus.collect(self)
+        self._take_answers(bus)
+        trouble = self._take_heartbeats(bus) or self._take_emergencies(bus)
+        if trouble is not None and self._running and self.state is not State.FAULT:
+            raise trouble
+        raw = self._positions(bus)
+        if raw is None:
+            return None
+        for joint in (0, 1):
+            self._unwrap(joint, raw[joint])
+        self._sequence += 1
+        first, second = (
+            2 * pi * units / joint.counts_per_turn
+            for units, joint in zip(self._units, self.file.joints, strict=True)
+        )
+        return Sample(
+            shaft_angle=(first, second),
+            count=(self._units[0], self._units[1]),
+            sequence=self._sequence,
+        )
+
+    def _positions(self, bus: CanBus) -> dict[int, int] | None:
+        """Positions by joint, of this tick's SYNC and nothing else; all of them or none."""
+        found: dict[int, int] = {}
+        for node in self._layout.measuring:
+            joints = self._layout.joints_measured(node)
+            data = bus.answer(wire.positions_id(node))
+            if data is None:
+                return None
+            found.update(zip(joints, wire.positions(data, len(joints)), strict=True))
+        return found
+
+    def _forget_positions(self) -> None:
+        """The next position is not to be compared with the last one."""
+        self._last: list[int | None] = [None, None]
+        self._units = [0, 0]
+
+    def _unwrap(self, joint: int, raw: int) -> None:
+        """Follow a position over the end of its range."""
+        span, last = self._ranges[joint], self._last[joint]
+        step = raw if last is None else raw - last
+        self._units[joint] += (step + span // 2) % span - span // 2
+        self._last[joint] = raw
+
+    def _take_heartbeats(self, bus: CanBus) -> DeviceError | None:
+        trouble: DeviceError | None = None
+        for node in self._layout.nodes:
+            frames = _taken(bus, wire.heartbeat_id(node))
+            self._silence[node] = 0 if frames else self._silence[node] + 1
+            for data in frames:
+                self._states[node] = state = wire.state(data)
+                if state is NmtState.BOOT_UP:
+                    trouble = trouble or NodeLost(f"CANopen node {node} has started anew")
+                elif state is not NmtState.OPERATIONAL:
+                    word = state.name.lower().replace("_", "-")
+                    trouble = trouble or NodeLost(f"CANopen node {node} became {word}")
+            if self._silence[node] > self._silent_ticks:
+                trouble = trouble or NodeLost(
+                    f"the heartbeat of CANopen node {node} has been missing for "
+                    f"{self._silence[node]} ticks"
+                )
+        return trouble
+
+    def _take_emergencies(self, bus: CanBus) -> DeviceError | None:
+        for node in self._layout.nodes:
+            for data in _taken(bus, wire.emergency_id(node)):
+                report = wire.emergency(data)
+                if report.code:
+                    return BoardError(f"CANopen node {node} reports {report}")
+        return None
+
+    def _send(self, tick: int, torque: Pair) -> Pair:
+        codes = self._drives[0].encode(torque[0]), self._drives[1].encode(torque[1])
+        self._forget_questions()
+        self._put(codes)
+        if self._armed:
+            if self._since_beat == 0:
+                data = wire.heartbeat(NmtState.OPERATIONAL)
+                self._opened().send(wire.heartbeat_id(self._producer), data)
+            self._since_beat = (self._since_beat + 1) % self._beat_ticks
+        return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
+
+    def _put(self, codes: tuple[int, int]) -> None:
+        for node in self._layout.driving:
+            values = [codes[joint] for joint in self._layout.joints_driven(node)]
+            self._opened().send(wire.outputs_id(node), wire.outputs(values))
+
+    # --- zero, confirmed by reading the outputs back ---------------------------------------------
+
+    def _send_zero(self) -> None:
+        """Zero without a heartbeat, so that the nodes' own zero follows; then ask for the values.
+
+        A node that left Operational takes no process data, so what is not zero is written by SDO.
+        """
+        self._put((self._drives[0].zero_code, self._drives[1].zero_code))
+        self._asked_ago += 1
+        if self._asked and self._asked_ago < ANSWER_TICKS:
+            return
+        if self.state is not State.FAULT and self._asked_ago < QUIET_TICKS:
+            return
+        output, zero = self._layout.outputs[self._asking], self._drives[self._asking].zero_code
+        entry = output.value
+        request = wire.sdo_download(entry, zero) if self._stuck else wire.sdo_upload(entry)
+        self._asked, self._asked_ago = True, 0
+        self._opened().send(wire.sdo_request_id(output.node), request)
+
+    def _forget_questions(self) -> None:
+        """No answer that may still come says anything of what is commanded from now on."""
+        self._asked = self._stuck = False
+        self._asking, self._asked_ago = 0, QUIET_TICKS
+
+    def _take_answers(self, bus: CanBus) -> None:
+        for node in self._layout.nodes:
+            for data in _taken(bus, wire.sdo_answer_id(node)):
+                answer = wire.sdo_answer(data)
+                self._answers[node] = answer
+                output = self._layout.outputs[self._asking]
+                if self._asked and node == output.node and answer.is_for(output.value):
+                    self._take_output(answer)
+
+    def _take_output(self, answer: SdoAnswer) -> None:
+        self._asked = False
+        zero = self._drives[self._asking].zero_code & 0xFFFF
+        self._stuck = answer.value is not None and answer.value != zero
+        if answer.value != zero or answer.abort:
+            return
+        self._asking = 1 - self._asking
+        if self._asking == 0:
+            self.zeros_confirmed += 1
+
+    # --- life cycle ------------------------------------------------------------------------------
+
+    def _preset(self, home: Pair) -> None:
+        """Make positions count from joint angle zero, unless ``settings.preset`` is false."""
+        if not self.file.settings.get("preset", True):
+            return
+        for encoder, joint, angle, span in zip(
+            self._layout.encoders, self.file.joints, home, self._ranges, strict=True
+        ):
+            wanted = round(joint.direction * angle / joint.quantum)
+            self._write(encoder.node, encoder.preset, wanted % span)
+        self._forget_positions()
+        shaft = self._fresh_sample().shaft_angle
+        for joint, angle, found in zip(self.file.joints, home, shaft, strict=True):
+            if abs(found - joint.direction * angle) > PRESET_TOLERANCE:
+                raise DeviceError(
+                    f"{self.name} did not take the preset {angle:.4f} rad, it shows "
+                    f"{joint.direction * found:.4f} rad"
+                )
+
+    def _enter(self) -> None:
+        """Have the nodes with outputs watch our heartbeat, which begins with the first command."""
+        for node in self._layout.driving:
+            entry = Object(Index.HEARTBEAT_CONSUMER, 1, 4)
+            value = wire.consumer(self._producer, self._watchdog_ms)
+            self._write(node, entry, value)
+            if self._read(node, entry) != value:
+                raise ActivationRefused(f"CANopen node {node} does not watch our heartbeat")
+        self._armed, self._since_beat = True, 0
+
+    def _leave(self) -> None:
+        """Nobody has to watch a heartbeat that is about to end."""
+        if self._armed:
+            self._armed = False
+            for node in self._layout.driving:
+                self._write(node, Object(Index.HEARTBEAT_CONSUMER, 1, 4), 0)
+
+    def _take_over(self) -> None:
+        self._opened().take_over()
+        self._begin()
+
+    def _close(self) -> None:
+        bus, self._bus = self._bus, None
+        if bus is None:
+            return
+        for node in self._layout.nodes:
+            bus.awaited.discard(wire.positions_id(node))
+            for name in _told(node):
+                bus.events.pop(name, None)
+        bus.leave(self)
+
+    # --- outside the loop ------------------------------------------------------------------------
+
+    def _write(self, node: int, entry: Object, value: int) -> None:
+        self._ask(node, entry, wire.sdo_download(entry, value))
+
+    def _read(self, node: int, entry: Object) -> int | None:
+        return self._ask(node, entry, wire.sdo_upload(entry)).value
+
+    def _ask(self, node: int, entry: Object, request: bytes) -> SdoAnswer:
+        """One SDO exchange by raw frames, between two ticks."""
+        self._forget_questions()
+        self._answers.pop(node, None)
+        self._opened().send(wire.sdo_request_id(node), request)
+
+        def answered() -> bool:
+            return node in self._answers and self._answers[node].is_for(entry)
+
+        self._until(answered, f"node {node} does not answer about {entry}")
+        answer = self._answers[node]
+        if answer.abort:
+            raise DeviceError(
+                f"CANopen node {node} refuses {entry} (SDO abort 0x{answer.abort:08x})"
+            )
+        return answer
+
+    def _until(self, done: Callable[[], bool], otherwise: str) -> None:
+        for _ in range(SETUP_TICKS):
+            self._receive()
+            if done():
+                return
+            self.pause()
+        raise DeviceError(f"{self.name}: {otherwise}")
+
+    def _all_operational(self) -> bool:
+        return set(self._states.values()) == {NmtState.OPERATIONAL}
+
+    def _opened(self) -> CanBus:
+        assert self._bus is not None, "configure comes first"
+        return self._bus
+
+
+def _told(node: int) -> tuple[int, int, int]:
+    """Identifiers under which a node says what must not be missed."""
+    return wire.heartbeat_id(node), wire.emergency_id(node), wire.sdo_answer_id(node)
+
+
+def _taken(bus: CanBus, identifier: int) -> list[bytes]:
+    """What came under an identifier since the last time."""
+    taken, bus.events[identifier] = bus.events[identifier], []
+    return taken
