@@ -20,7 +20,8 @@ def candidates() -> list[dict[str, str]]:
     for interface in sorted(network.iterdir()) if network.is_dir() else []:
         kind = interface / "type"
         if kind.is_file() and kind.read_text("ascii").strip() == _CAN_HARDWARE_TYPE:
-            found.append(
-                {"url": f"odrive+socketcan://{interface.name}", "description": "CAN interface"}
-            )
+            found += [
+                {"url": f"{driver}+socketcan://{interface.name}", "description": "CAN interface"}
+                for driver in ("canopen", "odrive")
+            ]
     return found

@@ -14,17 +14,21 @@ from math import ceil, pi
 from typing import ClassVar
 
 from cosim.errors import InputError
+from hil.address import Address
 from hil.canbus import CanBus, open_bus
 from hil.canopen_layout import layout
 from hil.canopen_setup import Timing, set_up
-from hil.contract import Sample, State, Watchdog
+from hil.contract import BusUse, Sample, State, Watchdog
 from hil.conversion import VoltageDrive
 from hil.device import Device
+from hil.device_file import DeviceFile
 from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.linkage import Pair
 from hil.protocols import canopen as wire
 from hil.protocols.canopen import Index, NmtState, Object, SdoAnswer
 
+SYNC_FRAME = (0,)
+"""Data bytes of what is sent once for all devices on a bus."""
 HEARTBEAT_MS, WATCHDOG_MS = 5, 20
 """How often a node and we say that we are alive; how long a node lets us be silent."""
 MISSED_HEARTBEATS = 3
@@ -50,6 +54,11 @@ class CanopenDevice(Device):
 
     _bus: CanBus | None = None
     _proved = False
+
+    @classmethod
+    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
+        """A PDO of positions or values for each node, and the bus's one SYNC."""
+        return BusUse(layout(address, file).frames, shared=SYNC_FRAME)
 
     @property
     def watchdog(self) -> Watchdog:
@@ -128,7 +137,7 @@ class CanopenDevice(Device):
         if taken:
             raise InputError(f"CANopen node {taken[0]} on {bus.name} belongs to another device")
         self._producer = wire.LAST_NODE - len(bus.users)
-        bus.extra = (0,)
+        bus.extra = SYNC_FRAME
         bus.join(self, self._layout.frames, 1 / self.tick)
         bus.begin_tick = partial(bus.send, wire.SYNC)
         bus.awaited.update(wire.positions_id(node) for node in self._layout.measuring)
@@ -180,14 +189,11 @@ class CanopenDevice(Device):
 
     def _forget_positions(self) -> None:
         """The next position is not to be compared with the last one."""
-        self._last: list[int | None] = [None, None]
-        self._units = [0, 0]
+        self._last, self._units = [0, 0], [0, 0]
 
     def _unwrap(self, joint: int, raw: int) -> None:
         """Follow a position over the end of its range."""
-        span, last = self._ranges[joint], self._last[joint]
-        step = raw if last is None else raw - last
-        self._units[joint] += (step + span // 2) % span - span // 2
+        self._units[joint] += wire.step(self._last[joint], raw, self._ranges[joint])
         self._last[joint] = raw
 
     def _take_heartbeats(self, bus: CanBus) -> DeviceError | None:

@@ -8,6 +8,7 @@ the driver's functions: what a master set up by SDO is what the PDOs then carry.
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import pi
 from typing import Any
@@ -73,6 +74,31 @@ class _Wire(canopen.Network):
         return [*frames]
 
 
+class _Local(canopen.LocalNode):
+    """The package's local node, which remembers the values that every tick needs."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number, dictionary(number))
+        self._known: dict[tuple[int, int], int] = {}
+
+    def value(self, index: int, subindex: int) -> int:
+        """A number of the dictionary (not a position, which changes by itself)."""
+        place = index, subindex
+        if place not in self._known:
+            variable: Any = self.object_dictionary.get_variable(index, subindex)
+            self._known[place] = int(variable.decode_raw(self.get_data(index, subindex)))
+        return self._known[place]
+
+    def set_data(self, index: int, subindex: int, data: Any, check_writable: Any = False) -> None:
+        super().set_data(index, subindex, data, check_writable)
+        self._known.pop((index, subindex), None)
+
+    def forget(self) -> None:
+        """Everything is as after power-on."""
+        self.data_store.clear()
+        self._known.clear()
+
+
 @dataclass
 class Axes:
     """Which joints a node's channels belong to: object -> joint."""
@@ -106,7 +132,8 @@ class Node:
 
     def __init__(self, number: int, its: Axes, wire: _Wire, world: World) -> None:
         self.its, self._world, self._wire = its, world, wire
-        self.local: Any = canopen.LocalNode(number, dictionary(number))
+        self.local: Any = _Local(number)
+        self.value: Callable[[int, int], int] = self.local.value
         self.local.add_read_callback(self._read)
         self.local.add_write_callback(self._write)
         wire[number] = self.local
@@ -126,22 +153,17 @@ class Node:
 
     def boot(self) -> None:
         """Start as after power-on (the encoder keeps its zero)."""
-        self.local.data_store.clear()
+        self.local.forget()
         self.local.nmt.stop_heartbeat()
         self.failed, self._heard = False, None
         self.local.nmt.send_command(0x81)
         self.local.nmt.send_command(0x80)
         self.drive()
 
-    def value(self, index: int, subindex: int) -> int:
-        """An entry of the dictionary."""
-        variable: Any = self.local.object_dictionary.get_variable(index, subindex)
-        return int(variable.decode_raw(self.local.get_data(index, subindex)))
-
     def report(self, code: int, register: int) -> None:
         """Send an emergency and remember it."""
         self.failed = True
-        self.local.data_store.setdefault(0x1001, {})[0] = bytes((register,))
+        self.local.set_data(0x1001, 0, bytes((register,)))
         self.local.emcy.send(code, register)
 
     def take(self, data: bytes) -> None:
@@ -178,7 +200,7 @@ class Node:
             return
         if self._heard is not None and self.failed and self.value(0x1001, 0) == COMMUNICATION_ERROR:
             self.failed = False
-            self.local.data_store[0x1001][0] = b"\0"
+            self.local.set_data(0x1001, 0, b"\0")
             self.local.emcy.reset()
         self._heard = now
 

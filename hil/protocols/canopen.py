@@ -193,6 +193,11 @@ def positions(data: bytes, count: int) -> tuple[int, ...]:
     return struct.unpack(f"<{count}i", data)
 
 
+def step(last: int, now: int, span: int) -> int:
+    """How far a position moved that begins anew after ``span`` units: the shorter way round."""
+    return (now - last + span // 2) % span - span // 2
+
+
 def outputs(codes: Sequence[int]) -> bytes:
     """A PDO of analogue output values (signed 16 bits)."""
     return struct.pack(f"<{len(codes)}h", *codes)
