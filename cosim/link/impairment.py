@@ -39,9 +39,13 @@ class Injected:
 
     passed: int = 0
     lost: int = 0
+    copies: int = 0
+    """Second copies, corrupted ones included."""
     duplicated: int = 0
+    """Second copies of what was not corrupted."""
     reordered: int = 0
     corrupted: int = 0
+    """Corrupted datagrams delivered, second copies included."""
     delays: list[float] = field(default_factory=list[float])
     """Delay given to each datagram that was passed on (s), copies left out."""
     outcomes: list[bool] = field(default_factory=list[bool])
@@ -78,17 +82,21 @@ class Impairer:
         if draw() < what.reorder:
             delay += what.reorder_delay
             done.reordered += 1
-        if datagram and draw() < what.corrupt:
+        corrupt = bool(datagram) and draw() < what.corrupt
+        if corrupt:
             place = int(draw() * len(datagram))
             changed = bytearray(datagram)
             changed[place] ^= 1 << int(draw() * 8)
             datagram = bytes(changed)
-            done.corrupted += 1
         done.passed += 1
         done.delays.append(delay)
         due = now + round(delay * 1e9)
         deliveries = [(due, datagram)]
         if draw() < what.duplicate:
-            done.duplicated += 1
             deliveries.append((due, datagram))
+            done.copies += 1
+        if corrupt:
+            done.corrupted += len(deliveries)
+        else:
+            done.duplicated += len(deliveries) - 1
         return deliveries

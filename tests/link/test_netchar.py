@@ -45,7 +45,7 @@ def relay_behind(forward: Impairment, backward: Impairment, key=KEY):
     stop = threading.Event()
     link = open_socket(LOCAL, None)
     relay = Relay(key, Caps())
-    proxy = Proxy(LOCAL, Address(*link.getsockname()), forward, backward, seed=5)
+    proxy = Proxy(LOCAL, Address(*link.getsockname()), Impairer(forward, 5), Impairer(backward, 6))
     threads = [
         threading.Thread(
             target=serve,

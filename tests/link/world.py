@@ -17,6 +17,7 @@ from cosim.link.keys import session_keys
 from cosim.link.peer_link import PeerLink
 from cosim.link.remote import Grid, RemoteStation
 from cosim.link.settings import ClockMode, LinkSettings
+from cosim.link.transport import Transport
 from tests.link.simulated import Network, SkewedClock
 from tests.link.support import KEY
 
@@ -79,7 +80,7 @@ class SimulatedStation:
 
     name: str
     peer: str
-    network: Network
+    network: Network | None
     clock: SkewedClock
     rate: int = 1024
     period: int = 8
@@ -94,11 +95,14 @@ class SimulatedStation:
     watch: Callable[[SimulatedStation, int], None] | None = None
     first_tick: int = 0
     alive: bool = True
+    transport: Transport | None = None
+    """One of the simulated network where none is given."""
 
     def __post_init__(self) -> None:
         self.now = 0
         self.forwarded: list[bytes] = []
-        self.transport = SimulatedTransport(self.network, self.name, self.peer, self.clock)
+        if self.transport is None:
+            self.transport = SimulatedTransport(self.network, self.name, self.peer, self.clock)
         self.link = PeerLink(
             sends=[bundle(self.name, self.peer, self.rate, self.period)],
             receives=[bundle(self.peer, self.name, self.rate, self.period)],
