@@ -99,11 +99,11 @@ class HaplyDevice(Device):
         if not self._reply:
             return None
         if not self._outstanding or len(self._reply) > REPLY_BYTES:
-            raise self._out_of_step("bytes came that nobody asked for")
+            raise self._odd_answer("bytes came that nobody asked for")
         try:
             found = angles(self._number, self._axes, self._reply)
         except ProtocolError as error:
-            raise self._out_of_step(str(error)) from None
+            raise self._odd_answer(str(error)) from None
         self._reply = b""
         self._outstanding = 0
         self.zeros_confirmed += self._zero_asked
@@ -121,6 +121,15 @@ class HaplyDevice(Device):
     def _out_of_step(self, what: str) -> ProtocolError:
         self._recovering, self._reply = 0, b""
         return ProtocolError(f"{what}: host and board are out of step")
+
+    def _odd_answer(self, what: str) -> ProtocolError:
+        """A board that answers has just finished a frame, so it can be set up and zeroed at once.
+
+        Should it wait for the rest of a frame all the same, its silence is noticed like any other.
+        """
+        fault = self._out_of_step(what)
+        self._set_up(ZERO)
+        return fault
 
     def _align(self) -> None:
         """An answer while aligning means that the board has just finished a frame."""
