@@ -11,6 +11,9 @@ from typing import Any
 
 from hil.emulators.board import Frame, Unit
 
+LARGEST_IDENTIFIER, LONGEST_DATA = 0x7FF, 8
+"""Of a classic CAN frame with an 11-bit identifier."""
+
 
 class Link(ABC):
     """One end of a wire; bytes, or frames on a bus, are counted both ways."""
@@ -106,18 +109,22 @@ class SlcanLink(PtyLink):
 
 
 def parse_slcan(line: bytes) -> Frame | None:
-    """A standard data (``t``) or remote (``r``) frame of a line; ``None`` for anything else."""
+    """A standard data (``t``) or remote (``r``) frame of a line; ``None`` for anything else.
+
+    Strict as a real adapter is: what was read has to give the very line again.
+    """
+    kind, rest = line[:1], line[5:]
     try:
-        if line[:1] == b"t":
-            data = bytes.fromhex(line[5:].decode("ascii"))
-            if len(data) != int(line[4:5]) or len(data) > 8:
-                return None
-            return Frame(int(line[1:4], 16), data)
-        if line[:1] == b"r":
-            return Frame(int(line[1:4], 16), remote=True)
-    except (ValueError, UnicodeDecodeError):
+        identifier, size = int(line[1:4], 16), int(line[4:5])
+        data = bytes.fromhex(rest.decode("ascii"))
+    except ValueError:
         return None
-    return None
+    again = b"%c%03x%d%s" % (kind or b"?", identifier, size, data.hex().encode())
+    if again != kind + line[1:].lower() or identifier > LARGEST_IDENTIFIER or size > LONGEST_DATA:
+        return None
+    if kind == b"t" and size == len(data):
+        return Frame(identifier, data)
+    return Frame(identifier, remote=True) if kind == b"r" and not data else None
 
 
 class CanLink(Link):
