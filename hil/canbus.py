@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 BUDGET_SECONDS = 600e-6
 """What all devices of a station may take of a tick."""
 BITRATE = 1_000_000
+LONGEST_BACKLOG = 2000
+"""Frames taken in one go: more than a second of them are waiting, or they never stop coming."""
 LARGEST_LOAD = 0.80
 """A bus that is fuller than this without stuffing, or full with it, cannot keep a deadline."""
 _FRAME_BITS = 47
@@ -215,7 +217,7 @@ class CanBus:
         import can
 
         seen: set[int] = set()
-        while True:
+        for _ in range(LONGEST_BACKLOG):
             try:
                 message = self.raw.recv(wait)
             except (can.CanError, OSError, ValueError) as error:
@@ -234,6 +236,10 @@ class CanBus:
             if identifier in self.events:
                 self.events[identifier].append(bytes(message.data))
             seen.add(identifier)
+        raise DeviceGone(
+            f"the bus {self.name} brings frames faster than this machine reads them "
+            f"({LONGEST_BACKLOG} in one go)"
+        )
 
 
 def open_bus(address: Address, pulse: Pulse | None = None) -> CanBus:

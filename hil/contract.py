@@ -133,6 +133,16 @@ class Watchdog:
     verified: bool = False
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WatchdogProof:
+    """When a board's watchdog was seen to fire, with what ``timeout`` and how fast (s)."""
+
+    date: str
+    timeout: float
+    fired_after: float
+    serial: str | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class BusUse:
     """Data bytes of each frame that a device has on its CAN bus in one tick.

@@ -2,7 +2,8 @@
 
 What stands in one file each: the driver's hooks (``hil.driver``), FAULT (``hil.fault_latch``), the
 heir of a dead loop (``hil.after_death``), samples (``hil.measuring``), the lifecycle
-(``hil.lifecycle``); here the exchange of every tick, which nothing goes around.
+(``hil.lifecycle``), the watchdog's proof (``hil.watchdog_proof``); here the exchange of every tick,
+which nothing goes around.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from hil.contract import (
     State,
     Status,
 )
-from hil.lifecycle import Lifecycle
 from hil.limits import DROP_TICKS, LATE_SECONDS
 from hil.linkage import Pair
 from hil.safety import Trip
+from hil.watchdog_proof import WatchdogProving
 
 
-class Device(Lifecycle):
+class Device(WatchdogProving):
     """Base of every driver: derive from it and fill in the hooks of ``hil.driver.Driver``."""
 
     stop_requested: bool = False
@@ -107,9 +108,11 @@ class Device(Lifecycle):
         """What a person has to know before this device produces force."""
         texts: list[str] = []
         if not self.watchdog.verified and not self.in_process:
+            none = self.watchdog.timeout is None
             texts.append(
-                f"{self.name} has no watchdog: when it is unplugged, hangs or runs away its output "
-                f"is unknown; {CUT_POWER.split(':')[0]} then. Keep the switch within reach."
+                f"{self.name} has {'no watchdog' if none else 'a watchdog that was never proved'}: "
+                "when it is unplugged, hangs or runs away its output is unknown; "
+                f"{CUT_POWER.split(':')[0]} then. Keep the switch within reach."
             )
         texts += [
             f"{self.name}: the limit '{name}' is loosened to "

@@ -8,7 +8,7 @@ counts and drive, home pose, limits with the reasons for loosened ones, workspac
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import date
 from difflib import get_close_matches
 from math import pi
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from cosim.errors import InputError
+from hil.contract import WatchdogProof
 from hil.conversion import TorqueDrive, VoltageDrive
 from hil.limits import Limits
 from hil.linkage import Linkage, Pair, Region
@@ -59,6 +60,7 @@ _KEYS = (
     "loosened",
     "workspace",
     "settings",
+    "watchdog_proof",
 )
 _JOINT_KEYS = ("direction", "offset", "counts_per_turn", "drive")
 _DRIVE_KEYS = (
@@ -107,6 +109,8 @@ class DeviceFile:
     region: Region | None = None
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """What belongs to one driver alone (node numbers, watchdog endpoints, channels)."""
+    watchdog_proof: WatchdogProof | None = None
+    """Written by ``cohaptic device check --enable-output``."""
     path: Path | None = None
 
     @property
@@ -150,6 +154,20 @@ def save(path: Path, values: Mapping[str, Any]) -> None:
     writer.default_flow_style = False
     with path.open("w", encoding="utf-8") as stream:
         writer.dump(dict(values), stream)  # pyright: ignore[reportUnknownMemberType]
+
+
+def add_watchdog_proof(path: Path, proof: WatchdogProof) -> None:
+    """Note a proof in a device file; everything else in it stays, comments included."""
+    from ruamel.yaml import YAML
+
+    editor = YAML()
+    document: Any = editor.load(path.read_text("utf-8"))  # pyright: ignore[reportUnknownMemberType]
+    document["watchdog_proof"] = {k: v for k, v in asdict(proof).items() if v is not None}
+    if proof.serial is not None:
+        document.setdefault("serial", proof.serial)
+    parse(document)
+    with path.open("w", encoding="utf-8") as stream:
+        editor.dump(document, stream)  # pyright: ignore[reportUnknownMemberType]
 
 
 def parse(document: object, path: Path | None = None) -> DeviceFile:
@@ -196,6 +214,7 @@ def parse(document: object, path: Path | None = None) -> DeviceFile:
         loosened=loosened,
         region=_region(values.get("workspace")),
         settings=_mapping("settings", values.get("settings", {})),
+        watchdog_proof=_watchdog_proof(values.get("watchdog_proof")),
         path=path,
     )
 
@@ -276,6 +295,22 @@ def _region(document: object) -> Region | None:
     if region.left >= region.right or region.bottom >= region.top:
         raise InputError("'workspace' is empty: left < right and bottom < top are needed")
     return region
+
+
+def _watchdog_proof(document: object) -> WatchdogProof | None:
+    if document is None:
+        return None
+    values = _mapping("watchdog_proof", document)
+    _known("watchdog_proof", values, ("date", "serial", "timeout", "fired_after"))
+    proved = _date(values.get("date"))
+    if proved is None:
+        raise InputError("'watchdog_proof' needs the date on which the watchdog was seen to fire")
+    return WatchdogProof(
+        date=proved,
+        timeout=_number("watchdog_proof.timeout", values.get("timeout")),
+        fired_after=_number("watchdog_proof.fired_after", values.get("fired_after")),
+        serial=None if values.get("serial") is None else str(values["serial"]),
+    )
 
 
 def _estop(value: object) -> bool:

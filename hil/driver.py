@@ -67,6 +67,8 @@ class Driver(ABC):
         """The scenario's pantograph parameters, for what only a simulated device can use."""
         self.zeros_confirmed = 0
         """Answers so far that confirm a torque of zero; hooks count them."""
+        self.watchdog_reports = 0
+        """Answers so far that say that the board's watchdog has fired; hooks count them."""
         self._clock = clock
 
     @classmethod
@@ -79,6 +81,18 @@ class Driver(ABC):
     def watchdog(self) -> Watchdog:
         """What the board does by itself when the host falls silent."""
         return Watchdog()
+
+    def watchdog_proved(self, timeout: float) -> bool:
+        """Whether the device file says that a watchdog with this timeout (s) fired on this device.
+
+        For drivers whose boards tell nothing that could be read back.
+        """
+        proof = self.file.watchdog_proof
+        return (
+            proof is not None
+            and abs(proof.timeout - timeout) < 1e-6
+            and proof.serial == self.file.serial
+        )
 
     @property
     def lockstep(self) -> bool:

@@ -37,6 +37,11 @@ def check_safeguards(device: Driver) -> None:
         )
     if device.watchdog.verified or emulated:
         return
+    if device.watchdog.timeout is not None:
+        raise ActivationRefused(
+            f"the watchdog of {device.name} has not been proved on this device: let it fire once "
+            "with 'cohaptic device check URL --file FILE --enable-output'"
+        )
     if device.pulse is None:
         raise ActivationRefused(
             f"{device.name} has no verified watchdog and no supervisor guards this process: "

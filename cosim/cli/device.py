@@ -12,6 +12,7 @@ import click
 
 if TYPE_CHECKING:
     from hil.device import Device
+    from hil.session import Session
 
 _FILE = click.option(
     "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
@@ -70,20 +71,49 @@ def find_ports(*, as_json: bool) -> None:
 @click.argument("url")
 @_FILE
 @click.option("--seconds", default=5.0, show_default=True, help="How long to look.")
+@click.option(
+    "--enable-output",
+    is_flag=True,
+    help="Also let the device's watchdog fire, at zero torque, and note it in the device file.",
+)
+@click.option("--yes", is_flag=True, help="Confirm for an emulator that proves to be one.")
 @_JSON
-def check_device(url: str, file: Path | None, seconds: float, *, as_json: bool) -> None:
-    """Read the device at URL while you move the handle; it is sent nothing but zero torque."""
+def check_device(
+    url: str,
+    file: Path | None,
+    seconds: float,
+    *,
+    enable_output: bool,
+    yes: bool,
+    as_json: bool,
+) -> None:
+    """Read the device at URL while you move the handle; it is sent nothing but zero torque.
+
+    With --enable-output its watchdog is proved as well: the output stage is switched on at zero
+    torque, then nothing is sent until the device reports that its watchdog has fired. A device
+    whose watchdog was never seen to fire is refused force.
+    """
     from dataclasses import asdict
 
+    from cosim.errors import InputError
     from hil.bench_test import check
+    from hil.device_file import add_watchdog_proof
 
+    if enable_output and file is None:
+        raise InputError("--enable-output notes the proof in the device file: give --file FILE")
     with _opened(url, file) as device:
         for warning in device.warnings():
             click.echo(warning, err=True)
         click.echo(f"Move the handle of {device.name}; it gets zero torque.", err=True)
         seen = check(device, seconds, None if as_json else _show)
+        proof = None
+        if enable_output and seen.fault is None and file is not None:
+            device.permission = _session(yes=yes).permission(device)
+            proof = device.prove_watchdog()
+            add_watchdog_proof(file, proof)
     if as_json:
-        click.echo(json.dumps(asdict(seen)))
+        proved = None if proof is None else asdict(proof)
+        click.echo(json.dumps({**asdict(seen), "watchdog_proof": proved}))
     else:
         click.echo(
             f"\n{seen.samples} samples in {seen.exchanges} exchanges, {seen.rate:.0f} a second, "
@@ -93,6 +123,11 @@ def check_device(url: str, file: Path | None, seconds: float, *, as_json: bool) 
             f"joint 1 from {seen.lowest[0]:.4f} to {seen.highest[0]:.4f} rad, "
             f"joint 2 from {seen.lowest[1]:.4f} to {seen.highest[1]:.4f} rad"
         )
+        if proof is not None:
+            click.echo(
+                f"its watchdog of {proof.timeout * 1e3:.0f} ms was reported to have fired after "
+                f"{proof.fired_after * 1e3:.0f} ms of silence; noted in {file}"
+            )
     if seen.fault is not None:
         click.echo(seen.fault, err=True)
         sys.exit(1)
@@ -246,6 +281,17 @@ def _opened(url: str, file: Path | None) -> Device:
     device = kind(address, load(file) if file is not None else default(kind.driver))
     device.configure()
     return device
+
+
+def _session(*, yes: bool) -> Session:
+    """Output was asked for; a person at a terminal is asked back."""
+    from hil.session import Session
+
+    def prompt(text: str) -> str:
+        click.echo(text, err=True, nl=False)
+        return sys.stdin.readline()
+
+    return Session(enable_output=True, yes=yes, prompt=prompt if sys.stdin.isatty() else None)
 
 
 def _show(angle: tuple[float, float], age: int) -> None:

@@ -33,8 +33,9 @@ class CobsDevice(Device):
 
     @property
     def watchdog(self) -> Watchdog:
-        """In every command, and part of the firmware's contract."""
-        return Watchdog(timeout=WATCHDOG_MS * 1e-3, verified=True)
+        """In every command; verified once ``device check`` has seen this board's fire."""
+        timeout = WATCHDOG_MS * 1e-3
+        return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 
     def _open(self) -> None:
         self._port = SerialPort(self.address, self.pulse, self.number)
@@ -75,6 +76,7 @@ class CobsDevice(Device):
     def _check(self, newest: Reply) -> None:
         if newest.status & ReplyFlag.ZERO and not newest.status & ReplyFlag.ENABLED:
             self.zeros_confirmed += 1
+        self.watchdog_reports += bool(newest.status & ReplyFlag.WATCHDOG_FIRED)
         if self.state is not State.ACTIVE:
             return
         if newest.status & (ReplyFlag.WATCHDOG_FIRED | ReplyFlag.FAULT):

@@ -45,18 +45,19 @@ class OdriveDevice(Device):
 
     @property
     def watchdog(self) -> Watchdog:
-        """Off in a new ODrive; verified once ``check`` has seen it fire (``proved``)."""
+        """Off in a new ODrive; verified once ``device check`` has seen it fire."""
         settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
         timeout = settings.get("timeout")
         if timeout is None:
             return Watchdog()
-        return Watchdog(timeout=float(timeout), verified=bool(settings.get("proved")))
+        return Watchdog(timeout=float(timeout), verified=self.watchdog_proved(float(timeout)))
 
     def _open(self) -> None:
         self._nodes = numbers(self.address, "nodes", 2, (0, 1))
         self._seen = dict.fromkeys(self._nodes, 0)
         self._beats = dict.fromkeys(self._nodes, 0)
         self._states = dict.fromkeys(self._nodes, 0)
+        self._expired: set[int] = set()
         self._sequence, self._closed = 0, False
         self._bus = open_bus(self.address, self.pulse)
         self._bus.join(self, FRAMES, 1 / self.tick)
@@ -119,6 +120,7 @@ class OdriveDevice(Device):
             self._beats[node] = frame[0]
             error, self._states[node] = wire.heartbeat(frame[1])
             fresh += 1
+            self._count_expired(node, error)
             if not self._closed:
                 error &= ~wire.WATCHDOG_EXPIRED  # an idle axis that nobody talks to; it is cleared
             if error and self.state is not State.FAULT:
@@ -127,6 +129,14 @@ class OdriveDevice(Device):
                 raise BoardError(f"ODrive axis {node} left closed loop")
         if fresh and self._all_idle():
             self.zeros_confirmed += 1
+
+    def _count_expired(self, node: int, error: int) -> None:
+        """One report for the device once the watchdogs of both axes have fired in closed loop."""
+        if not (self._closed and error & wire.WATCHDOG_EXPIRED):
+            self._expired.discard(node)
+        elif node not in self._expired:
+            self._expired.add(node)
+            self.watchdog_reports += len(self._expired) == len(self._nodes)
 
     def _send(self, tick: int, torque: Pair) -> Pair:
         sent: list[float] = []

@@ -8,7 +8,6 @@ import shutil
 import socket
 import tempfile
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -117,14 +116,22 @@ BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {
 }
 
 
-def serve(order: Order, folder: Path, report: Callable[[dict[str, Any]], None]) -> None:
-    """Run an emulator in this process until it is told to stop; ``report`` gets its URL."""
+def serve(
+    order: Order,
+    folder: Path,
+    report: Callable[[dict[str, Any]], None],
+    owner: Connection | None = None,
+) -> None:
+    """Run an emulator in this process until it is told to stop; ``report`` gets its URL.
+
+    It also ends when the other end of ``owner`` is closed, because whoever started it has died.
+    """
     board, link, url = make(order)
     if order.priority:
         freeze_garbage()
         real_time_priority(order.priority)
     path = folder / "control"
-    server = Server(board, link, path, tick=order.tick)
+    server = Server(board, link, path, tick=order.tick, owner=owner)
     joined = "&" if "?" in url else "?"
     url += f"{joined}emulator={path}" + ("&lockstep=1" if order.lockstep else "")
     report({"url": url, "control": str(path), "home": board.world.body.angle(), "pid": os.getpid()})
@@ -136,7 +143,7 @@ def serve(order: Order, folder: Path, report: Callable[[dict[str, Any]], None]) 
 
 def _child(order: Order, folder: str, pipe: Connection) -> None:
     try:
-        serve(order, Path(folder), pipe.send)
+        serve(order, Path(folder), pipe.send, pipe)
     except Exception as error:
         pipe.send({"error": f"{type(error).__name__}: {error}"})
         raise
@@ -148,19 +155,18 @@ class Emulator:
     def __init__(self, order: Order, *, method: str = "forkserver") -> None:
         context: Any = multiprocessing.get_context(method)
         self._folder = tempfile.mkdtemp(prefix="cohaptic-")
-        ours, theirs = context.Pipe()
+        self._lifeline, theirs = context.Pipe()
         self._process: Any = context.Process(
             target=_child, args=(order, self._folder, theirs), daemon=True
         )
         self._process.start()
         theirs.close()
-        with closing(ours):
-            try:
-                said: dict[str, Any] = (
-                    ours.recv() if ours.poll(60) else {"error": "it says nothing"}
-                )
-            except EOFError:
-                said = {"error": "it died at once"}
+        try:
+            said: dict[str, Any] = (
+                self._lifeline.recv() if self._lifeline.poll(60) else {"error": "it says nothing"}
+            )
+        except EOFError:
+            said = {"error": "it died at once"}
         if "error" in said:
             self._end()
             raise InputError(f"the emulator '{order.name}' did not start: {said['error']}")
@@ -182,6 +188,7 @@ class Emulator:
         self._end()
 
     def _end(self) -> None:
+        self._lifeline.close()
         self._process.join(5)
         if self._process.is_alive():
             self._process.kill()

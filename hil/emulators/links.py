@@ -89,12 +89,17 @@ class SlcanLink(PtyLink):
     def __init__(self) -> None:
         super().__init__()
         self._text = b""
+        self._open = False
+        self._rest = b""
+        """Of a line that found the host's buffer full: an adapter loses whole frames only."""
 
     def read(self) -> list[Unit]:
-        """The frames that have come; commands to the adapter are acknowledged."""
+        """The frames that have come; of the adapter's commands it knows open and close."""
         frames: list[Unit] = []
         *lines, self._text = (self._text + self._bytes()).split(b"\r")
         for line in lines:
+            if line in {b"O", b"C"}:
+                self._open = line == b"O"
             frame = parse_slcan(line)
             if frame is not None:
                 frames.append(frame)
@@ -102,10 +107,17 @@ class SlcanLink(PtyLink):
         return frames
 
     def write(self, unit: Unit) -> None:
-        """Send one frame as a line."""
+        """Send one frame as a line; a channel that nobody has opened stays silent."""
         assert isinstance(unit, Frame)
+        if not self._open:
+            return
+        self._rest = self._rest[self._put(self._rest) :] if self._rest else b""
+        if self._rest:
+            return
         line = f"t{unit.identifier:03X}{len(unit.data)}{unit.data.hex()}\r".encode()
-        self.written += self._put(line) == len(line)
+        done = self._put(line)
+        self._rest = line[done:] if done else b""
+        self.written += done > 0
 
 
 def parse_slcan(line: bytes) -> Frame | None:

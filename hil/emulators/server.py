@@ -14,6 +14,7 @@ import selectors
 import socket
 import struct
 import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +28,17 @@ LONGEST_CATCH_UP = 100
 
 
 class Server:
-    """Runs until told to stop, or until nobody is left to talk to (``parent`` died)."""
+    """Runs until told to stop, or until nobody is left to talk to (parent or owner died)."""
 
-    def __init__(self, board: Board, link: Link, path: Path, *, tick: float) -> None:
+    def __init__(
+        self,
+        board: Board,
+        link: Link,
+        path: Path,
+        *,
+        tick: float,
+        owner: Connection | None = None,
+    ) -> None:
         self._board, self._world, self._link = board, board.world, link
         self._tick = tick
         self._unplugged = False
@@ -43,6 +52,8 @@ class Server:
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._listener, selectors.EVENT_READ, "listen")
         self._selector.register(link.fileno(), selectors.EVENT_READ, "link")
+        if owner is not None:
+            self._selector.register(owner, selectors.EVENT_READ, "owner")
         self._in_step: socket.socket | None = None
         """The connection whose host decides when the wire is looked at; before, it always is."""
 
@@ -76,6 +87,8 @@ class Server:
             self._selector.register(connection, selectors.EVENT_READ, "control")
         elif key.data == "link":
             self._serve_link()
+        elif key.data == "owner":
+            self._running = False  # it never says anything, so its end was closed
         else:
             assert isinstance(key.fileobj, socket.socket)
             self._serve_control(key.fileobj)
@@ -209,6 +222,7 @@ class Server:
                     "tick": world.tick,
                     "torque": world.torque,
                     "applied": world.applied,
+                    "largest": world.largest,
                     "angle": world.body.angle(),
                 }
             case "stop":

@@ -28,6 +28,8 @@ class World:
         """What the board commands."""
         self.applied: Pair = ZERO
         """What the motors really did in the last tick."""
+        self.largest = 0.0
+        """The largest torque of a motor so far (N.m)."""
         self.shift: Pair = ZERO
         self.faults: list[Fault] = []
         self._latched: Pair | None = None
@@ -50,6 +52,7 @@ class World:
     def advance(self) -> None:
         """One tick passes under the present torque."""
         self.applied = self._motors()
+        self.largest = max(self.largest, abs(self.applied[0]), abs(self.applied[1]))
         self.body.step(self.applied)
         self.tick += 1
 

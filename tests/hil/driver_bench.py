@@ -20,13 +20,19 @@ TICK = Fraction(1, 1024)
 HAPLY = {"device": 1, "initial_tip_position": (0.019, 0.1)}
 QUANSER = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
 
+PROOF = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.03}
+"""What ``device check`` leaves in the device file; test_the_watchdog_is_proved makes real ones."""
+
 SETUPS: dict[str, dict[str, Any]] = {
     "haply": {"parameters": HAPLY, "file": {"preset": "haply"}, "serial": True, "frame": 10},
 }
 
 SETUPS["cobs"] = {
     "parameters": QUANSER,
-    "file": {"joints": [{"counts_per_turn": 20000}, {"counts_per_turn": 20000}]},
+    "file": {
+        "joints": [{"counts_per_turn": 20000}, {"counts_per_turn": 20000}],
+        "watchdog_proof": PROOF,
+    },
     "serial": True,
     "frame": 18,
 }
@@ -34,13 +40,13 @@ ODRIVE_WATCHDOG = {
     "timeout": 0.02,
     "timeout_endpoint": 0x0101,
     "enable_endpoint": 0x0102,
-    "proved": "2026-11-22",
 }
 SETUPS["odrive"] = {
     "parameters": QUANSER,
     "file": {
         "joints": [{"counts_per_turn": 8192}, {"counts_per_turn": 8192}],
         "settings": {"watchdog": ODRIVE_WATCHDOG},
+        "watchdog_proof": PROOF,
     },
 }
 SETUPS["odrive (slcan)"] = {**SETUPS["odrive"], "driver": "odrive", "emulator": "odrive"} | {
@@ -107,9 +113,12 @@ class Bench:
         self._open.append(emulator)
         return emulator
 
-    def device(self, name: str, emulator: Emulator, *, output: bool = True, **options) -> Device:
+    def device(
+        self, name: str, emulator: Emulator, *, output: bool = True, file=None, **options
+    ) -> Device:
         kind = find(SETUPS[name].get("driver", name))
-        document = {"driver": kind.driver, "home": list(emulator.home), **SETUPS[name]["file"]}
+        file = SETUPS[name]["file"] if file is None else file
+        document = {"driver": kind.driver, "home": list(emulator.home), **file}
         device = kind(parse(emulator.url), parse_file(document), tick=TICK, **options)
         if output:
             device.permission = emulated(emulator.url, None)
