@@ -13,8 +13,9 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
-from hil.deadlines import Deadlines
-from hil.realtime import RealtimePacer, prepare_loop
+from cosim.master.deadlines import Deadlines
+from cosim.master.pacing import DeadlinePacer
+from hil.realtime import clock_nanosleep, prepare_loop
 
 TICK = Fraction(1, 1024)
 
@@ -51,7 +52,7 @@ def main() -> None:
     for grant in prepare_loop():
         print(grant.sentence)
     deadlines = Deadlines()
-    pacer = RealtimePacer(tick_seconds=TICK, deadlines=deadlines)
+    pacer = DeadlinePacer(tick_seconds=TICK, deadlines=deadlines, sleep=clock_nanosleep())
     pacer.start(0)
     for tick in range(1, 1024 * seconds):
         pacer.wait(tick)

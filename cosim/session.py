@@ -14,13 +14,11 @@ from typing import Any
 
 from cosim.component import Component
 from cosim.errors import CohapticError, RunError
-from cosim.master.pacing import Pacer
 from cosim.master.recording import RecordGroup
 from cosim.master.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
-from cosim.record.spool import Spool
 from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
@@ -69,21 +67,18 @@ def run_scenario(
     out: Path | None = None,
     *,
     progress: Progress | None = None,
-    pacer: Pacer | None = None,
     execute: Execute | None = None,
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
     made: Mapping[str, Component] | None = None,
     link: Callable[[], Mapping[str, Any]] | None = None,
-    ended: Callable[[], None] | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
 
     Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
     drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
     of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
-    for those of a real link; ``ended`` is called as soon as the loop is over. ``made`` holds Python
-    components that exist already, by name.
+    for those of a real link. ``made`` holds Python components that exist already, by name.
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -102,8 +97,7 @@ def run_scenario(
         manifest = describe(scenario, _components(simulation))
         manifest["notes"] = list(simulation.notes)
         recorder = _FolderRecorder(scenario, out, manifest, began)
-        loop = _elsewhere(execute, ended) if execute else _here(recorder, pacer, ended)
-        error = _run(simulation, recorder, loop, progress)
+        error = _run(simulation, recorder, execute or _here, progress)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")
@@ -129,36 +123,9 @@ def run_scenario(
     return Finished(folder, Summary(content), error)
 
 
-def _here(recorder: Recorder, pacer: Pacer | None, ended: Callable[[], None] | None) -> Execute:
+def _here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:
     """Run in this very thread."""
-    # A paced loop must not wait for the recorder's thread, not even for the interpreter's lock.
-    spool = Spool(recorder) if pacer is not None else None
-
-    def run_here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:
-        try:
-            simulation.run(spool or recorder, progress=progress, pacer=pacer)
-        finally:
-            if ended is not None:
-                ended()
-            if spool is not None:
-                spool.drain()
-
-    return run_here
-
-
-def _elsewhere(execute: Execute, ended: Callable[[], None] | None) -> Execute:
-    """Run where ``execute`` does; its loop is over when it returns, however it does."""
-
-    def run_elsewhere(
-        simulation: Simulation, recorder: Recorder, progress: Progress | None
-    ) -> None:
-        try:
-            execute(simulation, recorder, progress)
-        finally:
-            if ended is not None:
-                ended()
-
-    return run_elsewhere
+    simulation.run(recorder, progress=progress)
 
 
 def _run(

@@ -44,6 +44,11 @@ class DeviceComponent(Component):
         self.flags = Flag.NONE
 
     @property
+    def lockstep(self) -> bool:
+        """Whether the device is an emulator that advances exactly as far as it is asked to."""
+        return self.address.options.get("lockstep") == "1"
+
+    @property
     def variables(self) -> Sequence[Variable]:
         """Exactly the pantograph FMU's."""
         return variables()
@@ -101,7 +106,12 @@ class DeviceComponent(Component):
     ) -> Device:
         """Configure and home the device: all that needs a person, a thread or the time to wait."""
         device = self.kind(
-            self.address, self.file, tick=control, pulse=session.pulse, clock=session.clock
+            self.address,
+            self.file,
+            tick=control,
+            pulse=session.pulse,
+            # In lock-step time is counted in exchanges.
+            clock=None if self.lockstep else session.clock,
         )
         device.parameters = dict(parameters)
         device.number = session.number

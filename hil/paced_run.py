@@ -2,7 +2,7 @@
 
 The command's process assembles the scenario and records. It forks the supervisor, which opens the
 devices (and asks people what has to be asked) and forks the loop. The loop's process has no other
-thread: FMUs, devices, pacer, and rows into shared memory.
+thread: FMUs, devices, link, pacer, and rows into shared memory.
 """
 
 from __future__ import annotations
@@ -13,24 +13,48 @@ import pickle
 import select
 import signal
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol
 
 from cosim.errors import CohapticError, InputError, RunError
 from hil import session as sessions
 from hil.component import DeviceComponent
-from hil.deadlines import Deadlines
+from hil.contract import ZERO
 from hil.device import Device
-from hil.pulse import FINISHED, Pulse
-from hil.realtime import Grant, Policy, RealtimePacer, prepare_loop
+from hil.pulse import FINISHED, RUNNING, Pulse
+from hil.realtime import Grant, prepare_loop
 from hil.relay import RelayPump, RelaySink, make_rings
 from hil.ring import Ring
 from hil.session import Session
-from hil.supervisor import Ending, supervise
+from hil.supervisor import STALL_SECONDS, Ending, supervise
+from hil.usage import Usage
 
 PUMP_SECONDS = 0.02
+LOCKSTEP_STALL_SECONDS = 10.0
+"""With devices in lock-step alone, time is counted in exchanges and the clock stops nothing."""
+
+
+class LoopPacer(Protocol):
+    """What waits before each tick: the master's pacer, or a station's around it."""
+
+    @property
+    def work(self) -> Any:
+        """Where the loop notes how long the parts of a tick took."""
+        ...
+
+    def start(self, tick: int) -> None:
+        """The loop is about to run ``tick``; returns when that is near."""
+        ...
+
+    def wait(self, tick: int) -> None:
+        """Return when ``tick`` may run."""
+        ...
+
+    def summary(self) -> dict[str, Any]:
+        """Deadlines and what the ticks' time went into."""
+        ...
 
 
 @dataclass(slots=True)
@@ -42,6 +66,7 @@ class LoopReport:
     """Exit status and sentence of what ended it."""
     deadlines: dict[str, Any] = field(default_factory=dict[str, Any])
     grants: list[Grant] = field(default_factory=list[Grant])
+    facts: Mapping[str, Any] | None = None
 
 
 @dataclass(slots=True)
@@ -49,11 +74,15 @@ class PacedRun:
     """Runs a simulation of the master in real time; afterwards it knows how that went.
 
     ``simulation`` is ``cosim.master``'s, handed in by the command, as are recorder and progress.
+    Without ``real_time`` the system is asked for nothing.
     """
 
     session: Session
-    policy: Policy = "count"
+    pacer: LoopPacer | None = None
+    facts: Callable[[], Mapping[str, Any]] | None = None
+    """Asked in the loop's process after the loop; what it says is in ``report``."""
     cpu: int | None = None
+    real_time: bool = True
     say: Callable[[str], None] = print
     report: LoopReport | None = None
     ending: Ending | None = None
@@ -66,6 +95,8 @@ class PacedRun:
             InputError: a component or a device cannot be used.
             RunError: the loop failed, a device faulted, or it is not known to be at zero.
         """
+        if not hasattr(os, "fork"):
+            raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
         rate: Fraction = simulation.scenario.base_rate
         rings = make_rings(simulation.groups, rate)
         said, tell = os.pipe()
@@ -75,9 +106,8 @@ class PacedRun:
                 os.close(said)
                 _supervisor_process(self, _Work(simulation, rings, rate, tell))
             os.close(tell)
-            with _ignoring_interrupts():
+            with _ending_with_the_loop(supervisor):
                 self._record(_Work(simulation, rings, rate, said), recorder, progress)
-                os.waitpid(supervisor, 0)
         finally:
             os.close(said)
             for ring in rings:
@@ -89,7 +119,20 @@ class PacedRun:
         if self.report is None:
             return {}
         grants = {grant.name: grant.sentence for grant in self.report.grants}
-        return {**self.report.deadlines, "policy": self.policy, "system": grants}
+        return {**self.report.deadlines, "system": grants}
+
+    def found(self) -> Mapping[str, Any]:
+        """What ``facts`` said in the loop's process."""
+        facts = self.report.facts if self.report is not None else None
+        return facts or {}
+
+    def idle(self) -> bool:
+        """In the loop's process before the first tick: keep every device at zero; any there?"""
+        for device in self.session.devices:
+            device.read(-1)
+            device.write(-1, ZERO)
+            device.raise_fault()
+        return bool(self.session.devices)
 
     def _record(self, work: _Work, recorder: Any, progress: Any) -> None:
         """Pump rows until the supervisor hangs up."""
@@ -115,11 +158,11 @@ class PacedRun:
             groups = work.simulation.groups
             recorder.begin(groups, work.rate)
             return RelayPump(work.rings, groups, recorder)
-        if isinstance(message, LoopReport):
+        if isinstance(message, Grant):
+            if not message.granted:
+                self.say(message.sentence)
+        elif isinstance(message, LoopReport):
             self.report = message
-            for grant in message.grants:
-                if not grant.granted:
-                    self.say(grant.sentence)
         elif isinstance(message, Ending):
             self.ending = message
         elif isinstance(message, list):
@@ -162,7 +205,14 @@ def _supervisor_process(run: PacedRun, work: _Work) -> None:
                 session.number = len(devices)
                 devices.append(component.open(control, session, dict(written)))
                 session.ready[name] = devices[-1]
-        ending = supervise(devices, lambda: _loop(run, work, pulse), pulse)
+        timed = any(not device.lockstep for device in devices)
+        ending = supervise(
+            devices,
+            lambda: _loop(run, work, pulse),
+            pulse,
+            stall=STALL_SECONDS if timed else LOCKSTEP_STALL_SECONDS,
+            real_time=run.real_time,
+        )
         _say(work.pipe, ending)
         sentences = ending.sentences(devices)
         if ending.status in {0, 1, 2}:
@@ -184,72 +234,102 @@ def _supervisor_process(run: PacedRun, work: _Work) -> None:
 
 def _loop(run: PacedRun, work: _Work, pulse: Pulse) -> int:
     """The control loop's process."""
-    stop = [False]
-
-    def note(*_: object) -> None:
-        stop[0] = True
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, note)
-    deadlines = Deadlines()
+    assert run.pacer is not None
+    # A reader that is gone shows as an error, not as a death.
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     report = LoopReport()
-    pacer = RealtimePacer(
-        tick_seconds=1 / work.rate,
-        policy=run.policy,
-        pulse=pulse,
-        stopping=lambda: stop[0],
-        deadlines=deadlines,
-    )
-    prepared = _Prepared(pacer, lambda: report.grants.extend(prepare_loop(cpu=run.cpu)))
+    pacer = _Watched(run, report, pulse, lambda message: _say(work.pipe, message))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, pacer.note)
     status = 0
     try:
-        report.outcome = work.simulation.run(
-            RelaySink(work.rings, lambda: _say(work.pipe, "begun")), pacer=prepared
-        )
+        report.outcome = work.simulation.run(RelaySink(work.rings), pacer=pacer)
     except CohapticError as error:
         status = error.exit_status
         report.error = (status, str(error))
         report.outcome = work.simulation.outcome
     finally:
         pulse.state(FINISHED)
-    report.deadlines = deadlines.summary()
+    report.deadlines = {**run.pacer.summary(), **pacer.usage.summary()}
+    report.facts = run.facts() if run.facts is not None else None
     _say(work.pipe, report)
     return status
 
 
-@dataclass(slots=True)
-class _Prepared:
-    """The pacer, with the process made real-time just before the first tick.
+class _Watched:
+    """The pacer with what the loop's process needs besides: a heartbeat, an ear for signals.
 
-    Not earlier: setting up FMUs and devices takes longer than a real-time loop may run on end.
+    The process is made real-time just before the first tick, not earlier: setting up FMUs and
+    devices takes longer than a real-time loop may run on end.
     """
 
-    pacer: RealtimePacer
-    prepare: Callable[[], None]
+    def __init__(
+        self, run: PacedRun, report: LoopReport, pulse: Pulse, tell: Callable[[Any], None]
+    ) -> None:
+        assert run.pacer is not None
+        self._run, self._report, self._tell = run, report, tell
+        self._pulse, self._beat, self._wait = pulse, pulse.beat, run.pacer.wait
+        self._stop = False
+        self.work = run.pacer.work
+        self.usage = Usage()
+
+    def note(self, *_: object) -> None:
+        """Take a signal: the run ends between two ticks."""
+        self._stop = True
 
     def start(self, tick: int) -> None:
-        self.prepare()
-        self.pacer.start(tick)
+        run = self._run
+        assert run.pacer is not None
+        if run.real_time:
+            # Locking memory takes a good part of a second: before others wait for this loop.
+            self._report.grants = prepare_loop(cpu=run.cpu)
+            for grant in self._report.grants:
+                self._tell(grant)
+        run.pacer.start(tick)
+        self._tell("begun")
+        self.usage.begin()
+        self._beat()
+        self._pulse.state(RUNNING)
 
     def wait(self, tick: int) -> None:
-        self.pacer.wait(tick)
+        if self._stop:
+            raise KeyboardInterrupt
+        self._wait(tick)
+        self._beat()
 
 
 @contextlib.contextmanager
-def _ignoring_interrupts() -> Generator[None]:
-    """Ctrl-C reaches the loop by itself, which ends the run at its next tick."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _ending_with_the_loop(supervisor: int) -> Generator[None]:
+    """Leave only when the supervisor has ended; whatever else ends this run ends it, too.
+
+    Ctrl-C reaches the loop by itself, a SIGTERM is handed on: the run ends at its next tick.
+    """
+
+    def hand_on(number: int, _: object) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(supervisor, number)
+
+    before = {
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        signal.SIGTERM: signal.signal(signal.SIGTERM, hand_on),
+    }
     try:
         yield
+    except BaseException:
+        hand_on(signal.SIGTERM, None)
+        raise
     finally:
-        signal.signal(signal.SIGINT, before)
+        os.waitpid(supervisor, 0)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _say(pipe: int, message: Any) -> None:
     data = pickle.dumps(message)
     frame = len(data).to_bytes(8, "little") + data
-    while frame:
-        frame = frame[os.write(pipe, frame) :]
+    with contextlib.suppress(BrokenPipeError):
+        while frame:
+            frame = frame[os.write(pipe, frame) :]
 
 
 def _split(data: bytes) -> list[Any]:

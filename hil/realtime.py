@@ -14,23 +14,17 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from fractions import Fraction
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any
 
-from cosim.errors import RunError
-from hil.deadlines import Deadlines
-from hil.pulse import RUNNING, Pulse
+from hil.processors import claim
 
 LOOP_PRIORITY = 70
 SUPERVISOR_PRIORITY = 75
 """Above the loop, so that a loop that runs away cannot keep its supervisor from acting."""
 LONGEST_BURST = 0.1
 """CPU time without a pause (s) after which the kernel kills a real-time loop."""
-LONGEST_SPIN = 100e-6
-"""Nobody busy-waits longer than this before a deadline (s)."""
 
-Policy = Literal["count", "stop"]
 _MONOTONIC, _ABSOLUTE = 1, 1
 _CURRENT_AND_FUTURE = 3
 
@@ -79,15 +73,22 @@ def lock_memory() -> Grant:
 
 
 def pin(cpu: int | None = None) -> Grant:
-    """Stay on one processor, the last allowed one by default; never on the only one."""
+    """Stay on one processor; never on the only one.
+
+    By default it is the least used one that no other loop of ours has claimed.
+    """
     if not hasattr(os, "sched_getaffinity"):
         return Grant("processor", False, "the loop is not pinned: this system cannot do it")
     allowed = sorted(os.sched_getaffinity(0))
     if len(allowed) < 2:
         return Grant("processor", False, "the loop is not pinned: there is one processor only")
-    chosen = allowed[-1] if cpu is None else cpu
-    if chosen not in allowed:
-        return Grant("processor", False, f"the loop is not pinned: processor {chosen} is not ours")
+    if cpu is not None and cpu not in allowed:
+        return Grant("processor", False, f"the loop is not pinned: processor {cpu} is not ours")
+    chosen = claim(allowed if cpu is None else [cpu])
+    if chosen is None and cpu is None:
+        return Grant("processor", False, "the loop is not pinned: every processor has a loop")
+    chosen = cpu if chosen is None else chosen
+    assert chosen is not None
     os.sched_setaffinity(0, {chosen})
     return Grant("processor", True, f"the loop is pinned to processor {chosen}")
 
@@ -133,79 +134,15 @@ def clock_nanosleep() -> Callable[[int], None]:
         return _sleep_until
     call = libc.clock_nanosleep
 
+    wanted = _Timespec()
+    where = ctypes.byref(wanted)
+
     def sleep(until: int) -> None:
-        wanted = _Timespec(until // 1_000_000_000, until % 1_000_000_000)
-        while call(_MONOTONIC, _ABSOLUTE, ctypes.byref(wanted), None) == errno.EINTR:
+        wanted.seconds, wanted.nanoseconds = divmod(until, 1_000_000_000)
+        while call(_MONOTONIC, _ABSOLUTE, where, None) == errno.EINTR:
             pass
 
     return sleep
-
-
-@dataclass(slots=True, kw_only=True)
-class RealtimePacer:
-    """The master's pacer for a loop on hardware: absolute deadlines, contiguous ticks, no bursts.
-
-    A tick is late when it starts a whole period or more after its deadline; then the grid of
-    deadlines moves by whole periods, so that nothing is caught up. ``spin`` (s) busy-waits the
-    last stretch; ``stopping`` is asked every tick.
-    """
-
-    tick_seconds: Fraction
-    policy: Policy = "count"
-    spin: float = 0.0
-    pulse: Pulse | None = None
-    stopping: Callable[[], bool] | None = None
-    deadlines: Deadlines = field(default_factory=Deadlines)
-    clock: Callable[[], int] = time.monotonic_ns
-    sleep: Callable[[int], None] = field(default_factory=clock_nanosleep)
-    _origin: int = 0
-    _first: int = 0
-
-    def start(self, tick: int) -> None:
-        """Tick ``tick`` is due now."""
-        self._origin, self._first = self.clock(), tick
-        if self.pulse is not None:
-            self.pulse.beat()
-            self.pulse.state(RUNNING)
-
-    def wait(self, tick: int) -> None:
-        """Return at the deadline of ``tick``.
-
-        Raises:
-            RunError: it was missed and the policy is ``stop``.
-            KeyboardInterrupt: the run was asked to stop; every signal ends between two ticks.
-        """
-        if self.stopping is not None and self.stopping():
-            raise KeyboardInterrupt
-        due = self._due(tick)
-        early = round(min(self.spin, LONGEST_SPIN) * 1e9)
-        if self.clock() < due - early:
-            self.sleep(due - early)
-        now = self.clock()
-        while now < due:
-            now = self.clock()
-        if self.pulse is not None:
-            self.pulse.beat()
-        late = now - due
-        self.deadlines.add(late)
-        periods = int(late * Fraction(1, 1_000_000_000) / self.tick_seconds)
-        if periods:
-            self._missed(tick, late, periods)
-
-    def _missed(self, tick: int, late: int, periods: int) -> None:
-        self.deadlines.misses += 1
-        self.deadlines.slipped += periods
-        if self.policy == "stop":
-            raise RunError(
-                f"tick {tick} began {late * 1e-6:.3g} ms after its deadline; the policy is to stop "
-                "(policy 'count' goes on)"
-            )
-
-    def _due(self, tick: int) -> int:
-        # The numerator times 10^9 first: 1/1024 s is no whole number of nanoseconds.
-        periods = tick - self._first + self.deadlines.slipped
-        step = self.tick_seconds
-        return self._origin + periods * step.numerator * 1_000_000_000 // step.denominator
 
 
 class _Timespec(ctypes.Structure):

@@ -6,7 +6,7 @@ their bits. A recorder that cannot keep up ends the run: nothing is dropped in s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -23,15 +23,13 @@ SECONDS = 8.0
 class RelaySink:
     """The loop's side: one row at a time (a paced loop runs tick by tick)."""
 
-    def __init__(self, rings: Sequence[Ring], begun: Callable[[], None]) -> None:
-        self._rings, self._begun = rings, begun
+    def __init__(self, rings: Sequence[Ring]) -> None:
+        self._put = [ring.put for ring in rings]
         self._rows = [np.zeros((1, ring.cells), np.int64) for ring in rings]
-        self._doubles = [rows.view(np.float64)[0] for rows in self._rows]
+        self._cells = [memoryview(rows[0]).cast("B").cast("q") for rows in self._rows]
 
     def begin(self, groups: Sequence[Any], base_rate: Fraction) -> None:
-        """The recorder knows the groups already; it is told that the loop begins."""
-        del groups, base_rate
-        self._begun()
+        """The recorder knows the groups already."""
 
     def buffer(self, group: int, rows: int) -> NDArray[np.int64]:
         """Room for the next row."""
@@ -44,7 +42,7 @@ class RelaySink:
         """Hand the row on."""
         del first_tick
         if rows:
-            self._rings[group].write(self._doubles[group])
+            self._put[group](self._cells[group])
 
 
 class RelayPump:

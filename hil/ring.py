@@ -38,6 +38,7 @@ class Ring:
         if int(head[0]) != _MAGIC or head[1] < 0 or not plausible:
             raise FileNotFoundError(f"{path} is no ring of ours")
         self.head = head
+        self._cells = memoryview(self._memory).cast("q")
         body = np.frombuffer(self._memory, np.int64, offset=8 * _HEAD_CELLS)
         records = body.reshape(self.capacity, self.cells + 2)
         self.before, self.after = records[:, 0], records[:, -1]
@@ -72,8 +73,21 @@ class Ring:
         self.before[place] = number
         self.head[1] = number + 1
 
+    def put(self, cells: memoryview) -> None:
+        """Append one record of ``cells`` 8-byte cells, as they are (format ``q``)."""
+        memory = self._cells
+        number = memory[1]
+        first = _HEAD_CELLS + (number % self.capacity) * (self.cells + 2)
+        last = first + self.cells + 1
+        memory[first] = -1
+        memory[first + 1 : last] = cells
+        memory[last] = number
+        memory[first] = number
+        memory[1] = number + 1
+
     def close(self) -> None:
         """Let go of the mapping."""
+        self._cells.release()
         del self.head, self.before, self.after, self.values
         with contextlib.suppress(BufferError):
             self._memory.close()

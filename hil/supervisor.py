@@ -23,6 +23,8 @@ from hil.realtime import SUPERVISOR_PRIORITY, freeze_garbage, real_time_priority
 STALL_SECONDS = 0.010
 """A counter that stands still for so long belongs to a dead loop."""
 POLL_SECONDS = 0.001
+EASY_POLL_SECONDS = 0.02
+"""Without devices nobody is in danger: then it is only the loop's end that is waited for."""
 ENDING_SECONDS = 5.0
 """How long a loop may take to end after it has said so (it has zeroed its devices first)."""
 BROKEN = 70
@@ -66,14 +68,15 @@ def supervise(
 
     ``loop`` returns its exit status. The devices are released before this returns.
     """
+    owner = os.getppid()
     process = os.fork()
     if process == 0:
         _run_loop(loop, pulse)
-    if real_time:
+    if real_time and devices:
         freeze_garbage()
         real_time_priority(SUPERVISOR_PRIORITY)
     with _passing_on_signals(process):
-        status, reason = _watch(process, pulse, stall)
+        status, reason = _watch(process, pulse, stall if devices else None, owner)
     begun = time.monotonic()
     torn = pulse.torn()
     zeroed = tuple(
@@ -98,11 +101,20 @@ def _run_loop(loop: Callable[[], int], pulse: Pulse) -> None:
         os._exit(status)
 
 
-def _watch(process: int, pulse: Pulse, stall: float) -> tuple[int, str]:
-    """Wait for the loop's end, or bring it about: (status, what happened)."""
+def _watch(process: int, pulse: Pulse, stall: float | None, owner: int) -> tuple[int, str]:
+    """Wait for the loop's end, or bring it about: (status, what happened).
+
+    Without ``stall`` the loop may stand still. Where the process that began the run (``owner``)
+    dies, nobody records or watches any more: the loop is asked to end.
+    """
     last, since = pulse.counter, time.monotonic()
     finished: float | None = None
+    orphan = False
     while True:
+        if not orphan and os.getppid() != owner:
+            orphan = True
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGTERM)
         found, wait_status = os.waitpid(process, os.WNOHANG)
         if found:
             return _ended(wait_status)
@@ -110,7 +122,7 @@ def _watch(process: int, pulse: Pulse, stall: float) -> tuple[int, str]:
         if pulse.loop_state == RUNNING:
             if pulse.counter != last:
                 last, since = pulse.counter, now
-            elif now - since > stall:
+            elif stall is not None and now - since > stall:
                 return _kill(process, f"the control loop stood still for {stall * 1e3:.0f} ms")
         elif pulse.loop_state == FINISHED:
             finished = finished or now
@@ -118,7 +130,7 @@ def _watch(process: int, pulse: Pulse, stall: float) -> tuple[int, str]:
                 return _kill(process, "the control loop did not end")
         else:
             since = now
-        time.sleep(POLL_SECONDS)
+        time.sleep(EASY_POLL_SECONDS if stall is None else POLL_SECONDS)
 
 
 def _kill(process: int, reason: str) -> tuple[int, str]:

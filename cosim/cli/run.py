@@ -47,7 +47,9 @@ if TYPE_CHECKING:
     show_default=True,
     help="What a missed deadline means, with --realtime.",
 )
-@click.option("--cpu", type=int, help="Processor for the control loop. [default: the last one]")
+@click.option(
+    "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
+)
 @click.option(
     "--enable-output",
     is_flag=True,
@@ -83,7 +85,12 @@ def command(
     loaded = load_tuned(scenario, overlays, sets)
     paced = _devices(loaded, enable_output=enable_output, yes=yes, realtime=realtime)
     if paced is not None:
-        paced.policy, paced.cpu = policy, cpu
+        from cosim.master.pacing import DeadlinePacer
+        from hil.realtime import clock_nanosleep
+
+        tick = 1 / loaded.base_rate
+        paced.cpu = cpu
+        paced.pacer = DeadlinePacer(tick_seconds=tick, policy=policy, sleep=clock_nanosleep())
     with _progress(loaded) as progress:
         finished = run_scenario(
             loaded,
@@ -110,26 +117,14 @@ def _devices(
     """Say what holds for this run's devices; what paces it, with ``--realtime``."""
     if not realtime and all(part.kind != "device" for part in scenario.components.values()):
         return None
-    from hil import session as sessions
+    from cosim.cli.devices import device_session, say
 
-    session = sessions.begin(
-        sessions.Session(
-            enable_output=enable_output,
-            yes=yes,
-            prompt=_prompt if sys.stdin.isatty() else None,
-            say=lambda text: click.echo(text, err=True),
-        )
-    )
+    session = device_session(enable_output=enable_output, yes=yes)
     if not realtime:
         return None
     from hil.paced_run import PacedRun
 
-    return PacedRun(session, say=lambda text: click.echo(text, err=True))
-
-
-def _prompt(text: str) -> str:
-    click.echo(text, err=True, nl=False)
-    return sys.stdin.readline()
+    return PacedRun(session, say=say)
 
 
 @contextmanager

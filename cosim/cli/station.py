@@ -6,7 +6,7 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -49,6 +49,15 @@ if TYPE_CHECKING:
     show_default=True,
     help="What a missed deadline means.",
 )
+@click.option(
+    "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
+)
+@click.option(
+    "--enable-output",
+    is_flag=True,
+    help="Let devices produce force; without it the torque is computed and zero is sent.",
+)
+@click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
@@ -64,7 +73,10 @@ def command(
     duration: str | None,
     wait: float | None,
     realtime: bool,
-    policy: str,
+    policy: Literal["count", "stop"],
+    cpu: int | None,
+    enable_output: bool,
+    yes: bool,
     out: Path | None,
     figure: bool,
     as_json: bool,
@@ -74,10 +86,11 @@ def command(
     Start the same scenario on every machine, each with its own --as. The stations compare what
     they are about to run, agree on a start, and each records its own side.
     """
+    from cosim.cli.devices import device_session, say
     from cosim.link.transport import Address
     from cosim.scenario import load
     from cosim.station.run import Arrangement, run_station
-    from hil.deadlines import Deadlines
+    from hil.paced_run import PacedRun
     from hil.realtime import clock_nanosleep
 
     # A service manager's SIGTERM stops in order, too: the peer is told, the record is closed.
@@ -86,18 +99,17 @@ def command(
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load(scenario, overlays, sets)
+    session = device_session(enable_output=enable_output, yes=yes)
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
         key_file=key,
-        policy="stop" if policy == "stop" else "count",
+        execute=PacedRun(session, cpu=cpu, real_time=realtime, say=say),
+        policy=policy,
         patience=wait,
-        prepare=_prepare if realtime else None,
-        ended=_leave if realtime else None,
         sleep=clock_nanosleep(),
-        lateness=Deadlines(),
     )
-    finished = run_station(loaded, own, arrangement, say=_say, out=out, figure=figure)
+    finished = run_station(loaded, own, arrangement, say=say, out=out, figure=figure)
     if as_json:
         click.echo(json.dumps(finished.summary.content))
         click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
@@ -119,26 +131,3 @@ def _peers(given: tuple[str, ...]) -> dict[str, Address]:
             raise InputError(message)
         found[name] = Address.parse(address, "--peer")
     return found
-
-
-def _say(sentence: str) -> None:
-    click.echo(sentence, err=True)
-
-
-def _prepare() -> None:
-    """Ask for real-time scheduling; say what was not granted."""
-    from hil.realtime import LOOP_PRIORITY, freeze_garbage, lock_memory, real_time_priority
-
-    for grant in (freeze_garbage(), lock_memory(), real_time_priority(LOOP_PRIORITY)):
-        if not grant.granted:
-            _say(grant.sentence)
-
-
-def _leave() -> None:
-    """Give the scheduling back: what follows is no loop."""
-    import gc
-    import os
-
-    gc.enable()
-    if hasattr(os, "sched_setscheduler"):
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))

@@ -24,6 +24,8 @@ from cosim.link.peer_link import PeerLink
 FORWARDS_PER_TICK = 2
 """Datagrams a tick that the loop passes on; the handshake repeats what is lost."""
 _LARGEST_MESSAGE = 65_536
+PATIENT = 0.05
+"""Longest pause (s) between two looks at what the door says, before the start."""
 
 
 class Door:
@@ -41,6 +43,9 @@ class Door:
         self._forwarded = 0
         self._process: subprocess.Popen[str] | None = None
         self._own: socket.socket | None = None
+        self._waiting = select.poll()
+        self._gone = False
+        """The process has hung up."""
 
     def forward(self, number: int) -> Callable[[memoryview, int], None]:
         """What the link to peer ``number`` passes handshake datagrams to."""
@@ -91,12 +96,21 @@ class Door:
         theirs.close()
         mine.setblocking(False)
         self._own = mine
+        self._waiting.register(mine.fileno(), select.POLLIN)
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(settings) + "\n")
         self._process.stdin.close()
 
-    def wait_for_start(self, *, say: Callable[[str], None], timeout: float | None) -> Start:
+    def wait_for_start(
+        self,
+        *,
+        say: Callable[[str], None],
+        timeout: float | None,
+        meanwhile: Callable[[], float | None] | None = None,
+    ) -> Start:
         """Wait until all stations have agreed on a start.
+
+        ``meanwhile`` is called again and again and says how soon (s) it wants to be called next.
 
         Raises:
             InputError: a peer's contract differs; the sentences say how.
@@ -108,7 +122,8 @@ class Door:
         known = 0
         say(f"waiting for {', '.join(self.peers)}")
         while self.start is None:
-            select.select([self._own], [], [], 0.05)
+            pause = meanwhile() if meanwhile is not None else None
+            select.select([self._own], [], [], PATIENT if pause is None else pause)
             self.hear(say)
             connected = sum(link.session is not None for link in self.links)
             if connected > known:
@@ -131,12 +146,13 @@ class Door:
     def hear(self, say: Callable[[str], None] | None = None) -> None:
         """Take what the process has to tell; call it now and then, it never waits."""
         self._forwarded = 0
-        while self._own is not None:
+        while self._own is not None and self._waiting.poll(0):
             try:
                 message = self._own.recv(_LARGEST_MESSAGE)
             except OSError:
                 return
             if not message:
+                self._gone = True
                 return
             self._take(message, say)
 
@@ -148,6 +164,12 @@ class Door:
             self._own.send(STATUS.pack(b"S", lost, tick, epoch))
         except OSError:
             self.dropped += 1
+
+    def leave(self) -> None:
+        """Say that the loop is over: nobody is to be found here any more."""
+        if self._own is not None:
+            with contextlib.suppress(OSError):
+                self._own.send(QUIT)
 
     def close(self) -> None:
         """End the process."""
@@ -176,7 +198,7 @@ class Door:
         self.close()
 
     def _check_alive(self) -> None:
-        if self._process is None or self._process.poll() is not None:
+        if self._gone:
             message = "the process that shakes hands has ended; its message is above"
             raise RunError(message)
 

@@ -47,6 +47,8 @@ REFUSAL = b"R"
 
 STEP = 0.004
 """Longest pause (s) before the door looks at its watch."""
+LIVE_STEP = 0.05
+"""The same while the loop runs, which then hands on whatever there is to answer."""
 ASK_AGAIN = 1_000_000_000
 """ns between two attempts to find a lost peer."""
 
@@ -126,7 +128,7 @@ class _Process:
             sources: list[socket.socket] = [self.loop]
             if not self.live:
                 sources += [link.socket for link in self.links]
-            ready, _, _ = select.select(sources, [], [], STEP)
+            ready, _, _ = select.select(sources, [], [], LIVE_STEP if self.live else STEP)
             if self.loop in ready and not self._hear():
                 return
             if not self.live:

@@ -15,7 +15,7 @@ from cosim.link.clock import ClockEstimate
 from cosim.link.keys import SessionKeys
 from cosim.link.packet import HEADER, DataWriter, Flag, Kind, Opener, Sealer
 from cosim.link.peer import PeerWeight
-from cosim.link.receiver import Fate, Receiver, ReceiverSettings
+from cosim.link.receiver import WAITING_SLOTS, Fate, Receiver, ReceiverSettings
 from cosim.link.settings import LinkSettings
 from cosim.link.transport import LARGEST_READ, Transport
 
@@ -69,6 +69,9 @@ class PeerLink:
                         release=setting.release,
                         delay=setting.delay,
                         late_after=(setting.delay + setting.loss.hold_samples) * bundle.period,
+                        # A station that was held up meets the others' packets early until it has
+                        # caught up; they can wait.
+                        early=WAITING_SLOTS // 2 * bundle.period,
                     ),
                 ),
                 PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick),
@@ -85,6 +88,8 @@ class PeerLink:
         self.flood = 0
         """Datagrams thrown away unread."""
         self.sent = 0
+        self.before_arrival: Callable[[], None] | None = None
+        """Called in a tick in which something has arrived, before that is looked at."""
         self._forward = forward
         self._buffer = memoryview(bytearray(LARGEST_READ))
         self._echo = (0, 0)
@@ -129,10 +134,12 @@ class PeerLink:
         if self._guarded_until is not None and tick >= self._guarded_until:
             self._let_everything_in()
         buffer = self._buffer
-        for _ in range(READS_PER_TICK):
+        for count in range(READS_PER_TICK):
             size = self.transport.receive(buffer)
             if size < 0:
                 return
+            if count == 0 and self.before_arrival is not None:
+                self.before_arrival()
             self._take(buffer[:size], tick)
         discarded = self.transport.discard()
         if discarded:

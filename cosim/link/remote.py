@@ -94,6 +94,7 @@ class RemoteStation(Component):
         self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
         self._send_every = gcd(*(bundle.period for bundle in link.outgoing)) or 1
         self._facts: dict[str, Cells] = {}
+        link.before_arrival = self._align
 
     @property
     def variables(self) -> Sequence[Variable]:
@@ -128,7 +129,6 @@ class RemoteStation(Component):
     def read(self, tick: int) -> None:
         """Drain the socket, release what is due, weigh the peer."""
         session_tick = tick + self.grid.first_tick
-        self._align()
         self.link.drain(session_tick)
         self.link.release(session_tick)
         for shown in self._shown:

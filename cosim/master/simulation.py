@@ -17,6 +17,7 @@ from cosim.master.interface import has_cells
 from cosim.master.interrupt import Wish, wish_to_stop
 from cosim.master.native import Outcome as Stop
 from cosim.master.native import library
+from cosim.master.paced_loop import PacedLoop
 from cosim.master.pacing import Pacer
 from cosim.master.packets import PacketCount
 from cosim.master.parameters import element_start
@@ -115,7 +116,8 @@ class Simulation:
         """Run to tick ``until`` (the scenario's end unless given).
 
         Ctrl-C ends the run early; what was reached has been handed to ``sink`` in any case. With a
-        ``pacer`` the loop runs tick by tick; the numbers are the same.
+        ``pacer`` the loop runs tick by tick and tells nobody how far it is; the numbers are the
+        same.
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -234,14 +236,14 @@ class Simulation:
         kernel = self.program.kernel
         chunk = FIRST_CHUNK
         told = began = time.perf_counter()
-        if pacer is not None:
-            pacer.start(kernel.tick)
         try:
+            if pacer is not None:
+                paced = PacedLoop(self.program, self._components, self.groups, sink)
+                self._raise_unless_done(paced.run(end, pacer, wish))
+                return
             while kernel.tick < end and not wish.is_made:
                 first = kernel.tick
-                stop = min(end, first + (1 if pacer is not None else chunk))
-                if pacer is not None:
-                    pacer.wait(first)
+                stop = min(end, first + chunk)
                 before = time.perf_counter()
                 self._run_chunk(first, stop, sink)
                 now = time.perf_counter()

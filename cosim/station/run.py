@@ -2,30 +2,58 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import lcm
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Protocol
 
-from cosim.errors import InputError, RunError
+from cosim.errors import InputError
 from cosim.link.clock import PhaseFollower
 from cosim.link.door import Door
-from cosim.link.pacing import Lateness, StationPacer, Worst, sleep_until
 from cosim.link.peer_link import PeerLink
 from cosim.link.receiver import Fate
 from cosim.link.remote import Grid, RemoteStation
 from cosim.link.settings import ClockMode
 from cosim.link.transport import Address, UdpTransport, open_socket, refuse_open_network
 from cosim.master.assemble import put_together
+from cosim.master.pacing import DeadlinePacer, Policy, sleep_until
+from cosim.master.simulation import Progress, Simulation
+from cosim.record.writer import Recorder
 from cosim.scenario import Scenario
 from cosim.session import Finished, run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
+from cosim.station.pacing import CATCH_UP, StationPacer
 from cosim.station.split import Half, Peer, split
 from cosim.suggest import did_you_mean
+
+
+class Executor(Protocol):
+    """Runs the loop in a process of its own, records in this one, and tells how it went."""
+
+    pacer: Any
+    facts: Callable[[], Mapping[str, Any]] | None
+    """Asked in the loop's process after the loop."""
+
+    def __call__(
+        self, simulation: Simulation, recorder: Recorder, progress: Progress | None
+    ) -> None:
+        """Run to the scenario's end."""
+        ...
+
+    def statistics(self) -> Mapping[str, Any]:
+        """Deadlines and what the system granted."""
+        ...
+
+    def found(self) -> Mapping[str, Any]:
+        """What ``facts`` said; empty where the loop never came to its end."""
+        ...
+
+    def idle(self) -> bool:
+        """Keep the devices at zero while waiting; whether there are any."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,16 +62,12 @@ class Arrangement:
 
     listen: Address
     peers: Mapping[str, Address]
+    execute: Executor
     key_file: Path | None = None
-    policy: Literal["count", "stop"] = "count"
+    policy: Policy = "count"
     patience: float | None = None
     """Seconds to wait for the others; ``None``: as long as it takes."""
     sleep: Callable[[int], None] = sleep_until
-    lateness: Lateness = field(default_factory=Worst)
-    prepare: Callable[[], None] | None = None
-    """Called once in the loop's process, shortly before the loop."""
-    ended: Callable[[], None] | None = None
-    """Called as soon as the loop is over."""
 
 
 def run_station(
@@ -82,18 +106,28 @@ def run_station(
             for number, (peer, transport) in enumerate(zip(half.peers, transports, strict=True))
         ]
         door.links = [remote.link for remote in remotes]
-        pacer = StationPacer(
+        execute = arrangement.execute
+        execute.pacer = StationPacer(
+            pace=DeadlinePacer(
+                tick_seconds=tick,
+                policy=arrangement.policy,
+                catch_up=CATCH_UP,
+                sleep=arrangement.sleep,
+            ),
             grid=grid,
             remotes=remotes,
             door=door,
             say=say,
             period=period,
             patience=arrangement.patience,
-            policy=arrangement.policy,
-            lateness=arrangement.lateness,
-            sleep=arrangement.sleep,
-            prepare=arrangement.prepare,
+            idle=execute.idle,
         )
+
+        def facts() -> dict[str, Any]:
+            door.leave()
+            return _facts(own, grid, half.peers, remotes, door)
+
+        execute.facts = facts
         door.open(
             sockets=sockets,
             key_file=arrangement.key_file,
@@ -105,17 +139,12 @@ def run_station(
         finished = run_scenario(
             half.scenario,
             out,
-            pacer=pacer,
-            deadlines=lambda: _lateness(arrangement.lateness),
+            execute=execute,
+            deadlines=execute.statistics,
             figure=figure,
             made=made,
-            link=lambda: _facts(own, grid, half.peers, remotes, door),
-            ended=arrangement.ended,
+            link=execute.found,
         )
-        if door.start is None:
-            # Nothing has run: what the recorder laid out is no record of anything.
-            shutil.rmtree(finished.folder)
-            raise finished.error or RunError("interrupted before the others came")
         full_scenario = finished.folder / FULL_SCENARIO_FILE
         full_scenario.write_text(scenario.resolved(), encoding="utf-8")
         return finished
@@ -171,14 +200,6 @@ def _remote(
         leads=not follows,
         follower=PhaseFollower() if follows and not free else None,
     )
-
-
-def _lateness(lateness: Lateness) -> dict[str, Any]:
-    summary = getattr(lateness, "summary", None)
-    if summary is not None:
-        return dict(summary())
-    worst = getattr(lateness, "worst", 0) * 1e-9
-    return {"misses": lateness.misses, "slipped_periods": lateness.slipped, "worst": worst}
 
 
 def _facts(
