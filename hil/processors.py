@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+
+if sys.platform != "win32":
+    import fcntl
 
 LOOK_SECONDS = 0.05
 """For how long the processors' use is observed."""
@@ -45,9 +48,8 @@ def _folder() -> Path:
 
 def _lock(processor: int, folder: Path) -> int | None:
     """The locked file, or ``None`` where another has it; what cannot be had locks nothing."""
-    fcntl: Any
-    import fcntl
-
+    if sys.platform == "win32":
+        return None
     path = folder / f"cohaptic-processor-{processor}"
     try:
         file = os.open(path, os.O_RDWR)
@@ -85,7 +87,7 @@ def _times() -> dict[int, tuple[int, int]]:
     """Jiffies that each processor was busy, and all of them (proc(5): user, nice, system, idle)."""
     found: dict[int, tuple[int, int]] = {}
     with contextlib.suppress(OSError, ValueError):
-        for line in Path("/proc/stat").read_text(encoding="ascii").splitlines():
+        for line in Path("/proc/stat").read_bytes().decode().splitlines():
             name, *numbers = line.split()
             if name.startswith("cpu") and name != "cpu":
                 jiffies = [int(number) for number in numbers[:8]]

@@ -45,9 +45,9 @@ def _counts() -> dict[str, float]:
         "switched_away": float(own.ru_nivcsw),
     }
     with contextlib.suppress(OSError, ValueError, IndexError):
-        delay = int(Path("/proc/self/schedstat").read_text(encoding="ascii").split()[1])
+        delay = int(Path("/proc/self/schedstat").read_bytes().split()[1])
         found["waited"] = delay * 1e-9
     with contextlib.suppress(OSError, ValueError, IndexError):
-        line = Path("/proc/stat").read_text(encoding="ascii").partition("\n")[0]
+        line = Path("/proc/stat").read_bytes().partition(b"\n")[0]
         found["stolen"] = int(line.split()[8]) / os.sysconf("SC_CLK_TCK")
     return found

@@ -5,16 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 from master_parts import Growing
 from master_support import run, scenario_of
 from single_axis import GAINS, single_axis
 
-from cosim.errors import RunError
 from cosim.master.recording import MemorySink
 from cosim.master.simulation import assemble
 from cosim.record.writer import Recorder
-from cosim.session import run_scenario
 
 
 def test_ctrl_c_ends_the_run_between_two_ticks_and_keeps_the_rows(tmp_path: Path) -> None:
@@ -60,28 +57,3 @@ def test_a_given_component_stands_for_one_of_the_scenario(tmp_path: Path) -> Non
     assemble(scenario_of(tmp_path, written), {"far": component}).run(sink, until=5)
     np.testing.assert_array_equal(sink.signal("far.value"), [1, 2, 4, 8, 16])
     assert component.setup.name == "far"
-
-
-@pytest.mark.parametrize("elsewhere", [False, True])
-@pytest.mark.parametrize("fails", [False, True])
-def test_who_waits_for_the_loops_end_is_told_wherever_it_ran(
-    tmp_path: Path, elsewhere: bool, fails: bool
-) -> None:
-    written = {"duration": 0.01, "components": {"hand": {"fmu": "hand", "rate": 1024}}}
-    told: list[str] = []
-
-    def execute(simulation, recorder, progress) -> None:
-        simulation.run(recorder, progress=progress)
-        told.append("run")
-        if fails:
-            raise RunError("the loop's process died")
-
-    finished = run_scenario(
-        scenario_of(tmp_path, written),
-        tmp_path / "run",
-        execute=execute if elsewhere else None,
-        figure=False,
-        ended=lambda: told.append("ended"),
-    )
-    assert told == (["run", "ended"] if elsewhere else ["ended"])
-    assert finished.summary.status == int(elsewhere and fails)
