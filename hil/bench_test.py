@@ -36,7 +36,7 @@ class Check:
 
 
 def check(device: Device, seconds: float, show: Callable[[Pair, int], None] | None = None) -> Check:
-    """Exchange zeros with a configured device for some time.
+    """Exchange zeros with a configured device for some time (in lock-step: of its ticks).
 
     ``show`` gets joint angles and sample age about ten times a second.
     """
@@ -45,7 +45,7 @@ def check(device: Device, seconds: float, show: Callable[[Pair, int], None] | No
     lowest, highest = (inf, inf), (-inf, -inf)
     began = told = time.monotonic()
     tick = 0
-    while time.monotonic() - began < seconds:
+    while (tick * device.tick if device.lockstep else time.monotonic() - began) < seconds:
         before = time.monotonic()
         measured = device.read(tick)
         device.write(tick, ZERO)

@@ -17,7 +17,7 @@ from cosim.errors import InputError
 from hil.address import Address, number
 from hil.emulators.control import Control
 from hil.errors import DeviceGone
-from hil.ports import PATIENCE, SETTLE_SECONDS, lockstep
+from hil.ports import PATIENCE, QUIET_AFTER_DEATH, SETTLE_SECONDS, lockstep, settled_counts
 
 if TYPE_CHECKING:
     from hil.pulse import Pulse
@@ -138,6 +138,7 @@ class CanBus:
         if self.control is not None:
             self.control.close()
             self.control = Control(self.control.path)
+            settled_counts(self.control, QUIET_AFTER_DEATH)
             self.resume()
         self._drain()
 
@@ -187,8 +188,10 @@ class CanBus:
             self.begin_tick()
         if self._stepping and self.control is not None:
             expected, end = self.control.sync(self.sent), time.monotonic() + PATIENCE
+            late = False
             self._drain()
-            while self._received < expected and time.monotonic() < end:
+            while self._received < expected and not late:
+                late = time.monotonic() > end
                 self._drain(SETTLE_SECONDS)
             return
         missing = set(self.awaited)

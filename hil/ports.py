@@ -15,9 +15,11 @@ from hil.errors import DeviceError, DeviceGone
 if TYPE_CHECKING:
     from hil.pulse import Pulse
 
-PATIENCE = 2.0
+PATIENCE = 60.0
 """In lock-step: how long to wait for bytes that the emulator is known to have sent (s)."""
 SETTLE_SECONDS = 0.01
+QUIET_AFTER_DEATH = 5
+"""Looks at an emulator's counts that have to agree before a dead process counts as silent."""
 BAUD = 115200
 """USB serial ignores it; a real UART takes ``baud`` from the URL."""
 
@@ -92,8 +94,9 @@ class SerialPort:
         """
         data = self._read(most)
         self._received += len(data)
-        end = time.monotonic() + PATIENCE
-        while self._received < self._expected and len(data) < most and time.monotonic() < end:
+        end, late = time.monotonic() + PATIENCE, False
+        while self._received < self._expected and len(data) < most and not late:
+            late = time.monotonic() > end  # before the look: a process that slept looks once more
             more = self._read(most - len(data))
             self._received += len(more)
             data += more
@@ -135,13 +138,12 @@ class SerialPort:
                 return data
             time.sleep(0.0005)
 
-    def _count_from_here(self) -> None:
+    def _count_from_here(self, quiet: int = 1) -> None:
         if self._control is not None:
-            time.sleep(SETTLE_SECONDS)
-            self._read(65536)
-            state = self._control.ask("state")
-            self.sent = int(state["received"])
-            self._received = self._expected = int(state["written"])
+            self.sent, self._expected = settled_counts(self._control, quiet)
+            self._received = self._expected
+            if self._descriptor is not None:
+                self._port.reset_input_buffer()
 
     def take_over(self) -> None:
         """Go on where a dead process left off: drop what came for it, talk to nobody but us."""
@@ -149,7 +151,7 @@ class SerialPort:
         if self._control is not None:
             self._control.close()
             self._control = Control(self._control.path)
-            self._count_from_here()
+            self._count_from_here(QUIET_AFTER_DEATH)
         self.read()
 
     def close(self) -> None:
@@ -165,6 +167,17 @@ def _descriptor(port: Any) -> int | None:
         return int(port.fileno())
     except (OSError, AttributeError):
         return None
+
+
+def settled_counts(control: Control, quiet: int) -> tuple[int, int]:
+    """What an emulator has received and sent, once that has stood still for ``quiet`` looks."""
+    last, stood = (-1, -1), -1
+    while stood < quiet:
+        time.sleep(SETTLE_SECONDS)
+        state = control.ask("state")
+        counts = (int(state["received"]), int(state["written"]))
+        stood, last = (stood + 1 if counts == last else 0), counts
+    return last
 
 
 def lockstep(address: Address) -> Control | None:

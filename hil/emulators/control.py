@@ -15,7 +15,7 @@ from typing import Any
 from hil.errors import DeviceGone
 
 SYNC = b"s"
-PATIENCE = 10.0
+PATIENCE = 60.0
 """Seconds after which an emulator that does not answer is given up."""
 
 

@@ -181,9 +181,10 @@ class Server:
 
     def _sync(self, sent: int) -> None:
         """Deal with everything up to ``sent``, then let the rest of the tick pass."""
-        before, end = self._world.tick, time.monotonic() + PATIENCE / 2
+        before, end, late = self._world.tick, time.monotonic() + PATIENCE / 2, False
         self._serve_link()
-        while self._link.received < sent and not self._unplugged and time.monotonic() < end:
+        while self._link.received < sent and not self._unplugged and not late:
+            late = time.monotonic() > end
             time.sleep(0)
             self._serve_link()
         if self._world.tick == before:

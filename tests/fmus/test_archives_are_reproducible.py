@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import struct
-import time
 import zipfile
 from pathlib import Path
 
 import fmu_support as support
 import pytest
 
+from fmus import builder
 from fmus.archive import FLAVOURS, universal_binary, zip_bytes
 from fmus.builder import build_fmus, source_digest
 from fmus.compiler import PLATFORMS
@@ -29,13 +29,23 @@ def test_building_again_elsewhere_gives_the_same_bytes(tmp_path: Path) -> None:
     assert archives(tmp_path / "one") == shipped
 
 
-def test_nothing_changed_costs_next_to_nothing(tmp_path: Path) -> None:
+def test_nothing_is_compiled_or_written_where_nothing_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     output = tmp_path / "out"
     platforms = PLATFORMS[:1]
     assert build_fmus(support.source(NAME), platforms=platforms, output=output)
-    begin = time.perf_counter()
-    assert not build_fmus(support.source(NAME), platforms=platforms, output=output)
-    assert time.perf_counter() - begin < 0.2
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("called the compiler")
+
+    before = {path.name: path.stat().st_mtime_ns for path in output.iterdir()}
+    with monkeypatch.context() as patch:
+        patch.setattr(builder, "compile_library", refuse)
+        assert not build_fmus(support.source(NAME), platforms=platforms, output=output)
+        assert {path.name: path.stat().st_mtime_ns for path in output.iterdir()} == before
+        with pytest.raises(AssertionError, match="called the compiler"):
+            build_fmus(support.source(NAME), platforms=platforms, output=output, force=True)
     (output / f"{NAME}.fmi2.fmu").unlink()
     assert build_fmus(support.source(NAME), platforms=platforms, output=output)
 

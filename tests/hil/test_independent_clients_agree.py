@@ -51,7 +51,6 @@ def test_the_makers_haply_library_drives_our_emulator(bench: Bench):
         capture_output=True,
         text=True,
         check=True,
-        timeout=60,
     )
     angles, torques = ([float(v) for v in line.split()] for line in done.stdout.splitlines())
     state = emulator.control.ask("state")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import threading
+import time
 from contextlib import contextmanager
 
 import numpy as np
@@ -134,9 +135,12 @@ def test_the_same_through_real_sockets_and_a_proxy() -> None:
             side.injected = Injected()
         found = characterise(probe.measure(rate=300, duration=3))
         late = float(np.percentile(proxy.lateness, 99))
+        latest = max(proxy.lateness)
     busy = found.late_sends > 0.02 * found.sent or found.relay.percentiles["99"] > 1e-3
-    if busy or late > 1e-3:
-        pytest.skip(f"this machine is too busy to time packets (released {late:.4f} s late)")
+    # A stall of S ms adds 0.3/ms * S^3/3 to the sum of squares of 900 packets: 10 ms are 0.4 % of
+    # the smaller jitter's variance.
+    if busy or late > 1e-3 or latest > 0.01 or found.relay.maximum > 0.01:
+        pytest.skip(f"this machine is too busy to time packets (released {latest:.4f} s late)")
     check_recovered(found, proxy.forward.injected, proxy.backward.injected)
 
 
@@ -147,9 +151,13 @@ def test_copies_and_overtaking_are_counted() -> None:
         probe.connect(timeout=20.0)
         before = proxy.backward.injected.duplicated
         kept_back = proxy.backward.injected.reordered
-        found = characterise(probe.measure(rate=300, duration=1))
+        # A hundred at once, which is what a stalled machine makes of it, fit a socket's buffer.
+        measured = probe.measure(rate=100, duration=1, wait=120)
+        while measured.duplicates < proxy.backward.injected.duplicated - before:
+            probe._collect(measured, probe._sent - measured.count, time.monotonic_ns() + 10**7)
+        found = characterise(measured)
     injected = proxy.backward.injected
-    assert found.duplicates == injected.duplicated - before
+    assert found.duplicates == injected.duplicated - before > 0
     assert 0 < found.reordered <= injected.reordered - kept_back
     assert found.loss.packets == 0
 
@@ -158,7 +166,8 @@ def test_a_relay_with_another_key_does_not_answer() -> None:
     with relay_behind(Impairment(), Impairment(), key=OTHER_KEY) as (address, _, relay):
         with open_socket(LOCAL, address) as link, pytest.raises(RunError, match="no relay answer"):
             Probe(link, KEY).connect(timeout=0.3)
-        assert relay.dropped + relay._handshake.dropped > 0
+        while not relay.dropped + relay._handshake.dropped:  # its thread may not have run yet
+            time.sleep(0.01)
 
 
 class Session:

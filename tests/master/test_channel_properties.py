@@ -74,7 +74,9 @@ def told(direction: Direction) -> dict[str, Any]:
 
 
 @settings(
-    deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=15,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(directions, st.integers(0, 1000))
 def test_what_is_held_is_the_newest_that_has_arrived(

@@ -108,11 +108,10 @@ def test_ctrl_c_leaves_a_valid_record_and_says_where_it_stopped(tmp_path: Path) 
     with subprocess.Popen(
         [*COHAPTIC, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
-        deadline = time.monotonic() + 60
-        while rows_so_far(tmp_path / "cut") == 0 and time.monotonic() < deadline:
+        while rows_so_far(tmp_path / "cut") == 0 and process.poll() is None:
             time.sleep(0.02)
         process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate()
     assert process.returncode == 1
     assert b"Traceback" not in errors
     assert errors.startswith(b"Interrupted at tick")

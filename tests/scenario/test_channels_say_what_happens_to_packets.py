@@ -70,7 +70,9 @@ def test_jitter_is_uniform_over_steps(lan: Callable[[str], Channel]) -> None:
 
 
 @settings(
-    deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=30,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(rms=st.floats(0.0, 0.02))
 def test_jitter_has_the_standard_deviation_asked_for(

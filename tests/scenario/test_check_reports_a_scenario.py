@@ -73,7 +73,6 @@ def test_the_command_ends_with_status_2_and_sentences_on_stderr() -> None:
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
     )
     assert done.returncode == 2
     assert done.stdout == ""

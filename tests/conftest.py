@@ -1,0 +1,25 @@
+"""What every test shares: properties are tried on the same examples everywhere and every time.
+
+A suite that draws anew, or that measures how long an example took, fails now and then on a machine
+that is merely busy. ``--hypothesis-profile=search`` draws at random, and more of it.
+"""
+
+from __future__ import annotations
+
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "repeatable",
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.register_profile(
+    "search",
+    deadline=None,
+    max_examples=1000,
+    print_blob=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("repeatable")
