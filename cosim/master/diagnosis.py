@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.errors import RunError
+from cosim.errors import CohapticError, InputError, RunError
 from cosim.master.fmu import STATUS_NAMES, Fmu
 from cosim.master.interface import Element
 from cosim.master.native import Outcome
@@ -16,8 +16,11 @@ _DID = {
 }
 
 
-def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> RunError:
-    """The error that the kernel's outcome stands for."""
+def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> CohapticError:
+    """The error that the kernel's outcome stands for.
+
+    What an FMU refuses at initialisation is what the scenario gave it: an input error.
+    """
     kernel = program.kernel
     action = program.stopped_at()
     component = str(action.unit)
@@ -29,7 +32,8 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> RunErro
         number = int(kernel.status)
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
-        return RunError(
+        kind = RunError if kernel.running or status == "fatal" else InputError
+        return kind(
             f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"
         )
     if outcome is Outcome.NOT_A_NUMBER:

@@ -138,7 +138,12 @@ class Fmu:
                 ) from error
 
     def configure(self, values: Mapping[str, list[Any]]) -> None:
-        """Set structural parameters in FMI 3's configuration mode."""
+        """Set structural parameters in FMI 3's configuration mode.
+
+        Raises:
+            InputError: the FMU refuses one, or all of them together.
+            RunError: it failed for good.
+        """
         structural = {
             name: elements
             for name, elements in values.items()
@@ -151,7 +156,12 @@ class Fmu:
         self._call("leave configuration mode", self._fmu.exitConfigurationMode)
 
     def enter_initialisation(self, stop_time: float) -> None:
-        """Set up the experiment and enter initialisation mode at time 0."""
+        """Set up the experiment and enter initialisation mode at time 0.
+
+        Raises:
+            InputError: the FMU refuses to.
+            RunError: it failed for good.
+        """
         fmu = self._fmu
         if self.version == 2:
             self._call(
@@ -166,7 +176,12 @@ class Fmu:
             )
 
     def exit_initialisation(self) -> None:
-        """Leave initialisation mode, ready to step."""
+        """Leave initialisation mode, ready to step.
+
+        Raises:
+            InputError: the FMU refuses to: its parameters and inputs do not go together.
+            RunError: it failed for good.
+        """
         self._call("leave initialisation mode", self._fmu.exitInitializationMode)
         self._initialised = True
 
@@ -232,6 +247,7 @@ class Fmu:
         return "Int64" if kind is VariableType.ENUMERATION else str(kind)
 
     def _call(self, what: str, function: Any) -> None:
+        """A step of the start-up: what an FMU refuses before it has run is what it was given."""
         try:
             function()
         except CohapticError:
@@ -239,8 +255,9 @@ class Fmu:
         except Exception as error:  # FMPy's FMICallException
             status = getattr(error, "status", None)
             word = STATUS_NAMES[status] if isinstance(status, int) and 0 <= status < 6 else error
-            raise RunError(
-                f"{self.component}: the FMU could not {what} (status {word}){self._said()}"
+            kind = RunError if word == "fatal" else InputError
+            raise kind(
+                f"{self.component}: the FMU refused to {what} (status {word}){self._said()}"
             ) from None
 
     def _said(self) -> str:

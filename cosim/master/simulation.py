@@ -25,6 +25,7 @@ from cosim.master.participants import setup_of
 from cosim.master.program import INITIAL, Program
 from cosim.master.python import sentences
 from cosim.master.recording import RecordGroup, Rows, Sink
+from cosim.master.refusal import placed_refusal
 from cosim.scenario import Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
@@ -174,12 +175,14 @@ class Simulation:
         for name, fmu in self._fmus.items():
             period = self.assembly.parts[name].period
             last = -(-end // period) * period  # the end of its last step may lie beyond the run's
-            fmu.enter_initialisation(self.assembly.clock.seconds(last))
+            with placed_refusal(self.scenario, name):
+                fmu.enter_initialisation(self.assembly.clock.seconds(last))
         while (stop := self._evaluate(INITIAL)) is Stop.CALL:
             self._serve()
         self._raise_unless_done(stop)
-        for fmu in self._fmus.values():
-            fmu.exit_initialisation()
+        for name, fmu in self._fmus.items():
+            with placed_refusal(self.scenario, name):
+                fmu.exit_initialisation()
 
     def _create_fmus(self) -> None:
         for name, participant in self.assembly.participants.items():
@@ -187,10 +190,11 @@ class Simulation:
                 continue
             fmu = Fmu(name, participant.fmu, substeps=participant.substeps)
             self._fmus[name] = fmu
-            fmu.instantiate()
-            fmu.configure(participant.parameters)
-            fmu.set_values(participant.parameters)
-            fmu.set_values(participant.start)
+            with placed_refusal(self.scenario, name):
+                fmu.instantiate()
+                fmu.configure(participant.parameters)
+                fmu.set_values(participant.parameters)
+                fmu.set_values(participant.start)
 
     def _start_components(self) -> None:
         for name, participant in self.assembly.participants.items():
@@ -282,8 +286,10 @@ class Simulation:
 
     def _raise_unless_done(self, stop: Stop) -> None:
         if stop is not Stop.DONE:
-            self._failed.add(str(self.program.stopped_at().unit))
-            raise explain(stop, self.program, self._fmus)
+            component = str(self.program.stopped_at().unit)
+            self._failed.add(component)
+            with placed_refusal(self.scenario, component):
+                raise explain(stop, self.program, self._fmus)
 
     def _open_rows(self, first: int, stop: int, sink: Sink) -> None:
         for number, group in enumerate(self.groups):

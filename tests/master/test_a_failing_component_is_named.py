@@ -57,14 +57,6 @@ def test_not_a_number(tmp_path: Path, flavour: str) -> None:
     assert np.isfinite(sink.signal("bad.value")).all()
 
 
-@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
-def test_a_refused_initialisation(tmp_path: Path, flavour: str) -> None:
-    said, _, simulation = fail(tmp_path, failing(flavour, "initialise"))
-    assert "bad" in said
-    assert "This probe refuses to start, as it was told to." in said
-    assert simulation.outcome.ticks == 0
-
-
 def test_an_integer_that_does_not_fit(tmp_path: Path) -> None:
     probe = str(fmus.probe.find("probe_types"))
     written = {

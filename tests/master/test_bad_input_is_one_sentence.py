@@ -92,8 +92,53 @@ def test_a_value_below_its_minimum(tmp_path: Path) -> None:
 def test_a_value_that_the_model_refuses_says_what_the_model_said(tmp_path: Path) -> None:
     third = {"fmu": "hand", "rate": 1024, "parameters": {"mass": 0.0}}
     simulation = assemble(scenario_of(tmp_path, hands(third=third)))
-    with pytest.raises(Exception, match="mass is 0 kg; give a mass above zero"):
+    with pytest.raises(InputError, match="mass is 0 kg; give a mass above zero"):
         simulation.run()
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_parameters_that_do_not_go_together_are_found_at_the_start_and_placed(
+    tmp_path: Path, flavour: str
+) -> None:
+    """Each is allowed by itself: only the model, leaving initialisation, knows better."""
+    text = f"""\
+    duration: 1
+    rates: {{control: 1024}}
+    components:
+      good: {{fmu: hand, rate: control}}
+      finger:
+        fmu: pantograph
+        flavour: {flavour}
+        rate: control
+        parameters:
+          device: quanser
+          initial_tip_position: [5, 5]
+    """
+    with pytest.raises(InputError) as caught:
+        assemble(scenario_of(tmp_path, text)).run()
+    said = str(caught.value)
+    assert said.startswith(f"{tmp_path / 'test.yaml'}:")
+    assert said.partition("test.yaml:")[2].startswith("12:"), said
+    assert "finger returned status 'error' from reading its outputs at initialisation" in said
+    assert "initial_tip_position (5, 5) m is out of reach" in said
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_a_refusal_that_names_no_parameter_is_placed_at_all_of_them(
+    tmp_path: Path, flavour: str
+) -> None:
+    probe = fmus.probe.find("probe_failure", flavour)
+    text = f"""\
+    duration: 1
+    components:
+      bad: {{fmu: {probe}, rate: 1024, parameters: {{kind: initialise}}}}
+    """
+    simulation = assemble(scenario_of(tmp_path, text))
+    with pytest.raises(InputError, match="This probe refuses to start, as it was told to"):
+        simulation.run()
+    with pytest.raises(InputError, match=r"test\.yaml:4:\d+: bad: the FMU refused to"):
+        assemble(scenario_of(tmp_path, text)).run()
+    assert simulation.outcome.ticks == 0
 
 
 def test_two_drivers_of_one_input(tmp_path: Path) -> None:
