@@ -64,9 +64,14 @@ class Proxy:
         return Address(str(host), int(port))
 
     @property
-    def inner(self) -> socket.socket:
-        """The socket that the target hears, for what else should seem to come from the client."""
-        return self._back
+    def idle(self) -> bool:
+        """Whether nothing waits here for its time."""
+        return not self._queue
+
+    @property
+    def sockets(self) -> tuple[socket.socket, socket.socket]:
+        """What to wait for: that of the client, that of the target."""
+        return self._front, self._back
 
     def run(self, stop: threading.Event) -> None:
         """Pass datagrams until ``stop`` is set."""
@@ -99,18 +104,22 @@ class Proxy:
             self.lateness.append((at - due) * 1e-9)
             self.delays[not is_forward].append((at - arrived) * 1e-9)
             counts[not is_forward] += 1
-            with contextlib.suppress(OSError):
-                if is_forward:
-                    self._back.send(datagram)
-                elif self._client is not None:
-                    self._front.sendto(datagram, self._client)
+            self.send(datagram, is_forward=is_forward)
         return counts[0], counts[1]
+
+    def send(self, datagram: bytes, *, is_forward: bool) -> None:
+        """Send to the target, or to the client: also what neither of them has sent."""
+        with contextlib.suppress(OSError):
+            if is_forward:
+                self._back.send(datagram)
+            elif self._client is not None:
+                self._front.sendto(datagram, self._client)
 
     def _step(self) -> None:
         wait = 0.05
         if self._queue:
             wait = min(wait, max(0.0, (self._queue[0][0] - time.monotonic_ns()) * 1e-9))
-        select.select([self._front, self._back], [], [], wait)
+        select.select(self.sockets, [], [], wait)
         self.take_in()
         self.release()
 

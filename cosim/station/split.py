@@ -68,6 +68,8 @@ class _Splitter:
         self.peers: dict[str, Peer] = {}
         self.connections: list[Connection] = []
         self.channels: dict[str, Channel] = {}
+        self.helpers: dict[str, Component] = {}
+        """Components that only this half has, beside the remote stations."""
         self.dropped: list[str] = []
 
     def split(self) -> Half:
@@ -109,7 +111,7 @@ class _Splitter:
                 rate=self.scenario.base_rate,
                 period=1,
             )
-        return own
+        return own | self.helpers
 
     def _peer(self, name: str) -> Peer:
         if name not in self.peers:
@@ -199,19 +201,36 @@ class _Splitter:
                     continue
                 element = variables[path]
                 if Signal(component, element.variable, element.index) not in driven:
-                    self._connect(
-                        _reference(peer.component, f"{bundle.channel}.{fact}"),
-                        _reference(component, path),
-                        via,
-                    )
+                    self._connect_fact(peer, bundle, fact, _reference(component, path), via)
         for wire in self.assembly.wiring.wires:
             fact = wire.source
             if isinstance(fact, PacketFact) and fact.bundle == number:
-                self._connect(
-                    _reference(peer.component, f"{bundle.channel}.{fact.name}"),
-                    _reference(wire.target.component, self._path(wire.target)),
-                    via,
-                )
+                target = _reference(wire.target.component, self._path(wire.target))
+                self._connect_fact(peer, bundle, fact.name, target, via)
+
+    def _connect_fact(
+        self, peer: Peer, bundle: Bundle, fact: str, target: Reference, via: str | None
+    ) -> None:
+        """Connect what the link says of a stream; simulated impairments on top add to its age."""
+        source = _reference(peer.component, f"{bundle.channel}.{fact}")
+        if fact != "age" or via is None:
+            self._connect(source, target, via)
+            return
+        helper = f"{peer.component}_{bundle.channel}_age"
+        if helper not in self.helpers:
+            self.helpers[helper] = Component(
+                name=helper,
+                kind=Kind.PYTHON,
+                source="cosim.link.total_age:TotalAge",
+                station=self.own,
+                rate_name=None,
+                rate=self.scenario.base_rate,
+                period=1,
+            )
+            way = "forward" if self.channels[via].between[1] == self.own else "backward"
+            self._connect(source, _reference(helper, "at_link"), via)
+            self._connect(_reference(via, f"{way}.age"), _reference(helper, "on_the_way"), None)
+        self._connect(_reference(helper, "total"), target, None)
 
     def _keep_own_connections(self) -> None:
         for connection in self.scenario.connections:

@@ -171,7 +171,7 @@ def test_many_bad_packets_through_a_socket_change_nothing(kind: str, count: int)
         world.run(8 * 300)
         kept = genuine.packets
         link, transport = world.b.link, world.transports[1]
-        receiver, back = link.incoming[0].receiver, world.proxy.inner
+        receiver = link.incoming[0].receiver
         other, _ = both_ends(OTHER_KEY)
         writer = DataWriter(Sealer(other.outgoing, other.session), 0, 4)
         writer.seal(2400, 1)
@@ -188,7 +188,7 @@ def test_many_bad_packets_through_a_socket_change_nothing(kind: str, count: int)
         before = receiver.counts
         for number in range(count // batch):
             for place in range(batch):
-                back.send(bad[(number * batch + place) % len(bad)])
+                world.proxy.send(bad[(number * batch + place) % len(bad)], is_forward=True)
             transport.expected += batch
             link.drain(2400)
         changed = receiver.counts - before

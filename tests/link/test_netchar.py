@@ -70,14 +70,15 @@ THERE = Impairment(delay=0.040, jitter=0.008, loss=0.04)
 BACK = Impairment(delay=0.025, jitter=0.005, loss=0.02)
 
 
-def check_recovered(found, forward, backward) -> None:
+def check_recovered(found, forward, backward, delays=None) -> None:
     """Delay and jitter within 5 % of what was injected, losses to the packet."""
-    delays = np.array(forward.delays), np.array(backward.delays)
+    delays = [np.array(way) for way in delays or (forward.delays, backward.delays)]
     assert found.round_trip.mean == pytest.approx(sum(d.mean() for d in delays), rel=0.05)
     assert found.forward.rms_jitter == pytest.approx(delays[0].std(), rel=0.05)
     assert found.backward.rms_jitter == pytest.approx(delays[1].std(), rel=0.05)
     assert found.loss.packets == forward.lost + backward.lost
-    assert found.loss.forward == pytest.approx(forward.lost, rel=0.2)
+    # Which way a packet was lost is told up to what overtook at both ends of the measurement.
+    assert found.loss.forward == pytest.approx(forward.lost, rel=0.2, abs=12)
     assert found.forged == 0
 
 
@@ -127,38 +128,85 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
     assert found.loss.fraction == pytest.approx(0.04 + 0.96 * 0.02, rel=0.1)
 
 
-def test_the_same_through_real_sockets_and_a_proxy() -> None:
-    with relay_behind(THERE, BACK) as (address, proxy, _), open_socket(LOCAL, address) as link:
+def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> Measurement:
+    """Over when every packet was lost or is back, however long that takes on a busy machine."""
+    for side in (proxy.forward, proxy.backward):
+        side.injected = Injected()
+    for delays in proxy.delays:
+        delays.clear()
+    proxy.lateness.clear()
+    looks = 0
+
+    def done() -> bool:
+        nonlocal looks
+        there, back = proxy.forward.injected, proxy.backward.injected
+        over = len(there.outcomes) == count and relay.received == there.passed
+        over = over and len(back.outcomes) == relay.received and proxy.idle
+        # Two looks, so that the last packet has been read in between.
+        looks = looks + 1 if over else 0
+        return looks > 2
+
+    return probe.measure(rate=300, duration=count / 300, wait=120.0, stop=done)
+
+
+def test_what_a_proxy_did_to_each_packet_is_recovered_through_real_sockets() -> None:
+    """Against the delays that the proxy really made, so that the machine's own cancel out."""
+    with relay_behind(THERE, BACK) as (address, proxy, relay), open_socket(LOCAL, address) as link:
         probe = Probe(link, KEY)
-        probe.connect(timeout=20.0)
-        for side in (proxy.forward, proxy.backward):
-            side.injected = Injected()
-        found = characterise(probe.measure(rate=300, duration=3))
+        probe.connect(timeout=60.0)
+        found = characterise(measured_through(proxy, relay, probe, 900))
+        late = np.sqrt(np.mean(np.square(proxy.lateness)))
+    # What is not in the proxy's book is a stall between a stamp and its sending, some 20 us of each
+    # packet: a hundredth of what stalls do to the proxy's releases, of which this is the measure.
+    if late > 3e-3:
+        pytest.skip(f"this machine stalls: releases were {late:.4f} s late (rms)")
+    check_recovered(found, proxy.forward.injected, proxy.backward.injected, proxy.delays)
+
+
+@pytest.mark.slow
+def test_what_was_asked_of_the_proxy_is_recovered_through_real_sockets() -> None:
+    """Against the delays drawn: needs a machine that releases a packet in time."""
+    with relay_behind(THERE, BACK) as (address, proxy, relay), open_socket(LOCAL, address) as link:
+        probe = Probe(link, KEY)
+        probe.connect(timeout=60.0)
+        found = characterise(measured_through(proxy, relay, probe, 9000))
         late = float(np.percentile(proxy.lateness, 99))
-        latest = max(proxy.lateness)
-    busy = found.late_sends > 0.02 * found.sent or found.relay.percentiles["99"] > 1e-3
-    # A stall of S ms adds 0.3/ms * S^3/3 to the sum of squares of 900 packets: 10 ms are 0.4 % of
-    # the smaller jitter's variance.
-    if busy or late > 1e-3 or latest > 0.01 or found.relay.maximum > 0.01:
-        pytest.skip(f"this machine is too busy to time packets (released {latest:.4f} s late)")
+    print(
+        f"released late by {np.median(proxy.lateness) * 1e6:.0f} us median, {late * 1e6:.0f} p99; "
+        f"round trip {found.round_trip.mean * 1e3:.3f} ms, jitter there "
+        f"{found.forward.rms_jitter * 1e3:.3f}, back {found.backward.rms_jitter * 1e3:.3f} ms, "
+        f"lost {found.loss.forward} there, {found.loss.backward} back"
+    )
+    if late > 1e-3:
+        pytest.skip(f"this machine is too busy to time packets (released {late:.4f} s late)")
     check_recovered(found, proxy.forward.injected, proxy.backward.injected)
 
 
+class FirstOnly:
+    """Impairs the first packets and passes the last ones, behind which no copy is still coming."""
+
+    def __init__(self, impairer: Impairer, count: int) -> None:
+        self.impairer, self.left = impairer, count
+
+    def take(self, datagram: bytes, now: int) -> list[tuple[int, bytes]]:
+        self.left -= 1
+        return self.impairer.take(datagram, now) if self.left >= 0 else [(now, datagram)]
+
+
 def test_copies_and_overtaking_are_counted() -> None:
-    back = Impairment(duplicate=0.2, reorder=0.1)
-    with relay_behind(Impairment(), back) as (address, proxy, _), open_socket(LOCAL, address) as s:
-        probe = Probe(s, KEY)
-        probe.connect(timeout=20.0)
-        before = proxy.backward.injected.duplicated
-        kept_back = proxy.backward.injected.reordered
-        # A hundred at once, which is what a stalled machine makes of it, fit a socket's buffer.
-        measured = probe.measure(rate=100, duration=1, wait=120)
-        while measured.duplicates < proxy.backward.injected.duplicated - before:
-            probe._collect(measured, probe._sent - measured.count, time.monotonic_ns() + 10**7)
-        found = characterise(measured)
-    injected = proxy.backward.injected
-    assert found.duplicates == injected.duplicated - before > 0
-    assert 0 < found.reordered <= injected.reordered - kept_back
+    # A hundred at once, which is what a stalled machine makes of it, fit a socket's buffer.
+    count = 100
+    back = Impairer(Impairment(duplicate=0.2, reorder=0.1), 6)
+    with (
+        relay_behind(Impairment(), Impairment()) as (address, proxy, _),
+        open_socket(LOCAL, address) as link,
+    ):
+        probe = Probe(link, KEY)
+        probe.connect(timeout=60.0)
+        proxy.backward = FirstOnly(back, count - 20)
+        found = characterise(probe.measure(rate=100, duration=1, wait=120.0))
+    assert found.duplicates == back.injected.duplicated > 5
+    assert 0 < found.reordered <= back.injected.reordered
     assert found.loss.packets == 0
 
 

@@ -6,10 +6,14 @@ import pytest
 
 from cosim.errors import InputError
 from cosim.link.contract import Contract
+from cosim.link.peer_link import PeerLink
+from cosim.link.remote import Grid, RemoteStation
 from cosim.link.settings import LinkSettings
 from cosim.link.transport import Address
 from cosim.master.assemble import put_together
+from cosim.record import open_run
 from cosim.scenario import load
+from cosim.session import run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.run import _addresses
 from cosim.station.split import split
@@ -94,8 +98,8 @@ def test_with_impairments_on_top_the_channel_stays_for_what_comes_in(box) -> Non
     channel = half.scenario.channels["lan"]
     assert channel.direction("station_a", "station_b").delay.ticks == 8
     assert channel.direction("station_b", "station_a").delay.ticks == 0
-    crossing = [c for c in half.scenario.connections if "link_station_a" in str(c)]
-    assert {c.via for c in crossing} == {"lan"}
+    ends = {c: (c.source.component, c.target.component) for c in half.scenario.connections}
+    assert {c.via for c, between in ends.items() if "link_station_a" in between} == {"lan"}
 
 
 def test_records_of_other_stations_are_left_out_and_said(box) -> None:
@@ -142,3 +146,51 @@ def test_link_settings_are_read() -> None:
     settings = LinkSettings.read(options, "channel lan")
     assert (settings.release, settings.delay, settings.clock) == ("arrival", 2, "free")
     assert (settings.loss.fade, settings.loss.resume) == (0.02, 0.5)
+
+
+ADD = "add_impairments: true"
+
+
+class Nobody:
+    """A transport on which nothing ever comes."""
+
+    def receive(self, buffer: memoryview) -> int:
+        return -1
+
+    def arrival(self) -> int:
+        return 0
+
+    def send(self, datagram: memoryview | bytes) -> bool:
+        return True
+
+    def discard(self) -> int:
+        return 0
+
+
+@pytest.mark.parametrize("delay", [None, 1, 3])
+@pytest.mark.parametrize("own", ["station_a", "station_b"])
+def test_the_age_that_the_workstation_is_told_holds_all_delays(tmp_path, own, delay) -> None:
+    """A silent peer is as old as the run, however many samples the simulated channel adds."""
+    sets = [f"record=[{own.replace('station', 'vr')}.peer_age]"]
+    if delay is not None:
+        on_top = f"{{each_way_delay: {delay}, round_trip_delay: null, link: {{{ADD}}}}}"
+        sets.append(f"channels.lan={on_top}")
+    full = put_together(load("two_users_box", (), (*sets, "duration=0.05 s")))
+    half = split(full, own)
+    (peer,) = half.peers
+    link = PeerLink(
+        sends=peer.sends,
+        receives=peer.receives,
+        settings=peer.settings,
+        transport=Nobody(),
+        forward=lambda *_: None,
+    )
+    grid = Grid(tick_ns=1e9 / 1024)
+    remote = RemoteStation(link, grid=grid, now=lambda: 0, leads=True)
+    made = {peer.component: remote}
+    finished = run_scenario(half.scenario, tmp_path / "run", figure=False, made=made)
+    with open_run(finished.folder) as run:
+        age = run[f"vr_{own[-1]}.peer_age[1]"].values
+    begins = 0 if delay is None else 8 * delay
+    assert len(age) == 52
+    assert list(age[begins:]) == list(range(begins, len(age)))

@@ -117,8 +117,8 @@ class Probe:
     ) -> Measurement:
         """Send ``rate`` packets a second of ``size`` bytes for ``duration`` seconds.
 
-        Waits ``wait`` seconds for the last ones. ``progress`` gets (sent, returned, count).
-        ``stop`` ends the sending early; what was sent until then is the measurement.
+        Waits at most ``wait`` seconds for the last ones. ``progress`` gets (sent, returned,
+        count). ``stop`` ends sending or waiting early; what was sent until then is the measurement.
 
         Raises:
             InputError: rate, duration or size make no sense.
@@ -152,7 +152,7 @@ class Probe:
                 if progress is not None:
                     progress(sent, len(result.order), count)
         end = time.monotonic_ns() + round(wait * 1e9)
-        while len(result.order) < sent and time.monotonic_ns() < end:
+        while len(result.order) < sent and time.monotonic_ns() < end and not stop():
             self._collect(result, first, min(end, time.monotonic_ns() + 50_000_000))
         if progress is not None:
             progress(sent, len(result.order), count)
