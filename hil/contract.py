@@ -60,6 +60,7 @@ class Cause(StrEnum):
     FIRST_COMMAND = "first command"
     SUPERVISOR = "supervisor"
     STOPPED = "stopped"
+    DEAD_MAN = "dead man"
 
     @property
     def unhomes(self) -> bool:

@@ -75,6 +75,9 @@ class Device(WatchdogProving):
         if self.stop_requested:
             self._trip(Trip(Cause.STOPPED, "the run was asked to stop"))
             return self._write_zero(ZERO, Flag.NONE)
+        if self._is_let_go():
+            self._trip(Trip(Cause.DEAD_MAN, "the dead-man input was released"))
+            return self._write_zero(ZERO, Flag.NONE)
         decision = self.safety.limit(tick, command)
         if decision.trip is not None:
             self._trip(decision.trip)
@@ -122,6 +125,11 @@ class Device(WatchdogProving):
         if not (self.tested_on_hardware or self.in_process):
             texts.append(f"the driver '{self.driver}' has met emulators only, never hardware")
         return texts
+
+    @final
+    def _is_let_go(self) -> bool:
+        held = None if self.permission is None else self.permission.is_held
+        return held is not None and not held()
 
     @final
     def _check_time(self) -> None:

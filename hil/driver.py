@@ -37,6 +37,8 @@ class Driver(ABC):
     in_process: ClassVar[bool] = False
     """Whether there is no hardware and no other process behind it (``mock``)."""
     tested_on_hardware: ClassVar[bool] = False
+    has_input: ClassVar[bool] = False
+    """Whether the board tells of a switch on it, which can serve as a dead-man input."""
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
@@ -69,6 +71,8 @@ class Driver(ABC):
         """Answers so far that confirm a torque of zero; hooks count them."""
         self.watchdog_reports = 0
         """Answers so far that say that the board's watchdog has fired; hooks count them."""
+        self.input_held = False
+        """Whether that switch was closed in the newest answer; hooks set it."""
         self._clock = clock
 
     @classmethod

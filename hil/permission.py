@@ -23,6 +23,8 @@ class Permission:
 
     how: str
     seal: object = None
+    is_held: Callable[[], bool] | None = None
+    """The dead-man input that it depends on, asked at every tick; ``None``: on none."""
 
     def __post_init__(self) -> None:
         if self.seal is not _SEAL:
@@ -42,15 +44,20 @@ def ask(device: str, warnings: list[str], prompt: Callable[[str], str]) -> Permi
     return Permission("confirmed at the prompt", _SEAL)
 
 
-def dead_man(device: str, is_held: Callable[[], bool]) -> Permission:
-    """Take a dead-man input that is held right now; the loop keeps asking it.
+def dead_man(
+    device: str, is_held: Callable[[], bool], given: Permission | None = None
+) -> Permission:
+    """Take a dead-man input that is held right now; the loop asks it at every tick.
+
+    ``given`` is what was confirmed besides (that the device is an emulator).
 
     Raises:
         ActivationRefused: it is not held.
     """
     if not is_held():
         raise ActivationRefused(f"{device} stays without output: the dead-man input is not held")
-    return Permission("dead-man input held", _SEAL)
+    how = "dead-man input held" if given is None else f"{given.how}, dead-man input held"
+    return Permission(how, _SEAL, is_held)
 
 
 def emulated(device: str, doubt: str | None) -> Permission:

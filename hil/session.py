@@ -10,8 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from hil.dead_man import Held, wait_until_held
 from hil.errors import ActivationRefused
-from hil.permission import Permission, ask, emulated
+from hil.permission import Permission, ask, dead_man, emulated
 
 if TYPE_CHECKING:
     from hil.device import Device
@@ -28,6 +29,8 @@ class Session:
 
     enable_output: bool = False
     yes: bool = False
+    dead_man: Callable[[Device], Held] | None = None
+    """What tells whether a device's dead-man input is held, where there is one."""
     prompt: Callable[[str], str] | None = None
     say: Callable[[str], None] | None = None
     clock: Callable[[], float] | None = None
@@ -48,13 +51,25 @@ class Session:
 
         if not self.enable_output:
             return None
+        given: Permission | None = None
         if self.yes:
-            return emulated(device.name, None if device.in_process else doubt(device))
+            given = emulated(device.name, None if device.in_process else doubt(device))
+        if self.dead_man is not None:
+            return self._held(device, self.dead_man(device), given)
+        if given is not None:
+            return given
         if self.prompt is None:
             raise ActivationRefused(
                 f"{device.name} stays without output: there is nobody to confirm it"
             )
         return ask(device.name, device.warnings(), self.prompt)
+
+    def _held(self, device: Device, held: Held, given: Permission | None) -> Permission:
+        for warning in device.warnings():
+            self.tell(warning)
+        self.tell(f"Hold the dead-man input to let {device.name} produce force.")
+        wait_until_held(device, held)
+        return dead_man(device.name, held, given)
 
     def tell(self, text: str) -> None:
         """Show a sentence where there is somebody to show it to."""

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from cosim.cli.devices import dead_man_option
+
 if TYPE_CHECKING:
     from cosim.master.simulation import Progress
     from cosim.scenario import Scenario
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     help="Let devices produce force; without it the torque is computed and zero is sent.",
 )
 @click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
+@dead_man_option
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
     scenario: str,
@@ -70,6 +73,7 @@ def command(
     cpu: int | None,
     enable_output: bool,
     yes: bool,
+    dead_man: str | None,
     as_json: bool,
 ) -> None:
     """Run SCENARIO, a file or the name of a bundled one, and record it.
@@ -83,7 +87,9 @@ def command(
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load_tuned(scenario, overlays, sets)
-    paced = _devices(loaded, enable_output=enable_output, yes=yes, realtime=realtime)
+    paced = _devices(
+        loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime
+    )
     if paced is not None:
         from cosim.master.pacing import DeadlinePacer
         from hil.realtime import clock_nanosleep
@@ -112,14 +118,14 @@ def command(
 
 
 def _devices(
-    scenario: Scenario, *, enable_output: bool, yes: bool, realtime: bool
+    scenario: Scenario, *, enable_output: bool, yes: bool, dead_man: str | None, realtime: bool
 ) -> PacedRun | None:
     """Say what holds for this run's devices; what paces it, with ``--realtime``."""
     if not realtime and all(part.kind != "device" for part in scenario.components.values()):
         return None
     from cosim.cli.devices import device_session, say
 
-    session = device_session(enable_output=enable_output, yes=yes)
+    session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     if not realtime:
         return None
     from hil.paced_run import PacedRun

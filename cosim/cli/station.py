@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from cosim.cli.devices import dead_man_option
+
 if TYPE_CHECKING:
     from cosim.link.transport import Address
 
@@ -57,6 +59,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Let devices produce force; without it the torque is computed and zero is sent.",
 )
+@dead_man_option
 @click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
@@ -77,6 +80,7 @@ def command(
     cpu: int | None,
     enable_output: bool,
     yes: bool,
+    dead_man: str | None,
     out: Path | None,
     figure: bool,
     as_json: bool,
@@ -99,7 +103,7 @@ def command(
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load(scenario, overlays, sets)
-    session = device_session(enable_output=enable_output, yes=yes)
+    session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),

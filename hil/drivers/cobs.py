@@ -28,6 +28,7 @@ class CobsDevice(Device):
 
     driver = "cobs"
     latency_ticks: ClassVar[int] = 1
+    has_input: ClassVar[bool] = True
 
     _port: SerialPort | None = None
 
@@ -76,6 +77,7 @@ class CobsDevice(Device):
     def _check(self, newest: Reply) -> None:
         if newest.status & ReplyFlag.ZERO and not newest.status & ReplyFlag.ENABLED:
             self.zeros_confirmed += 1
+        self.input_held = bool(newest.status & ReplyFlag.INPUT)
         self.watchdog_reports += bool(newest.status & ReplyFlag.WATCHDOG_FIRED)
         if self.state is not State.ACTIVE:
             return

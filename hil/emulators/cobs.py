@@ -64,6 +64,7 @@ class CobsBoard(Board):
         self._enabled = bool(flags & CommandFlag.ENABLE) and not self._fired
         self.world.torque = (first, second) if self._enabled else ZERO
         status = ReplyFlag.ENABLED * self._enabled | ReplyFlag.WATCHDOG_FIRED * self._fired
+        status |= ReplyFlag.INPUT * self.world.input
         if self.world.torque == ZERO:
             status |= ReplyFlag.ZERO
         return frame(
@@ -86,6 +87,7 @@ class _Device(ctypes.Structure):
         ("watchdog_ms", ctypes.c_uint16),
         ("fired", ctypes.c_uint8),
         ("enabled", ctypes.c_uint8),
+        ("input", ctypes.c_uint8),
         ("overflow", ctypes.c_uint8),
         ("length", ctypes.c_uint8),
         ("pending", ctypes.c_uint8 * 64),
@@ -116,6 +118,7 @@ class FirmwareBoard(Board):
         answers: list[Unit] = []
         answer = (ctypes.c_uint8 * 24)()
         for byte in unit:
+            self._device.input = self.world.input
             count = (ctypes.c_int32 * 2)(*self.world.count(self._counts))
             size = self._library.device_receive(
                 ctypes.byref(self._device),

@@ -205,6 +205,8 @@ class Server:
         match request.pop("do"):
             case "shift":
                 world.shift = (float(request["by"][0]), float(request["by"][1]))
+            case "input":
+                world.input = bool(request["closed"])
             case "start":
                 world.body.start()
             case "fault":

@@ -30,6 +30,8 @@ class World:
         """What the motors really did in the last tick."""
         self.largest = 0.0
         """The largest torque of a motor so far (N.m)."""
+        self.input = False
+        """Whether the switch on the board is closed."""
         self.shift: Pair = ZERO
         self.faults: list[Fault] = []
         self._latched: Pair | None = None

@@ -80,7 +80,8 @@ static size_t answer(const Device *device, const uint8_t *command, uint32_t now_
     uint8_t plain[REPLY_PLAIN] = {REPLY};
     int zero = device->torque[0] == 0.0f && device->torque[1] == 0.0f;
     plain[1] = (uint8_t)((device->enabled ? DEVICE_ENABLED : 0) |
-                         (device->fired ? DEVICE_WATCHDOG_FIRED : 0) | (zero ? DEVICE_ZERO : 0));
+                         (device->fired ? DEVICE_WATCHDOG_FIRED : 0) | (zero ? DEVICE_ZERO : 0) |
+                         (device->input ? DEVICE_INPUT : 0));
     plain[2] = command[2];
     plain[3] = command[3];
     copy(plain + 4, &now_us, 4);

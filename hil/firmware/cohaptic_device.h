@@ -23,7 +23,7 @@
 #define DEVICE_LONGEST_FRAME 64
 
 enum { DEVICE_ENABLE = 1, DEVICE_CLEAR = 2 };
-enum { DEVICE_ENABLED = 1, DEVICE_WATCHDOG_FIRED = 2, DEVICE_ZERO = 4, DEVICE_FAULT = 8 };
+enum { DEVICE_ENABLED = 1, DEVICE_WATCHDOG_FIRED = 2, DEVICE_ZERO = 4, DEVICE_FAULT = 8, DEVICE_INPUT = 16 };
 
 typedef struct {
     float torque[2];          /* what the motors have to do now, N.m */
@@ -31,6 +31,7 @@ typedef struct {
     uint16_t watchdog_ms;     /* 0: no command has armed it yet, and the torque is zero */
     uint8_t fired;            /* the watchdog has fired; only DEVICE_CLEAR takes that back */
     uint8_t enabled;
+    uint8_t input;            /* set by you: the dead-man switch on the board is closed */
     uint8_t overflow;         /* the present frame is too long to be one */
     uint8_t length;
     uint8_t pending[DEVICE_LONGEST_FRAME];

@@ -44,6 +44,8 @@ class ReplyFlag(IntFlag):
     ZERO = 4
     """The output stage really is at zero."""
     FAULT = 8
+    INPUT = 16
+    """The switch on the board is closed: its dead-man input is held."""
 
 
 @dataclass(frozen=True, slots=True)
