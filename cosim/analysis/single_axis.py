@@ -14,6 +14,11 @@ from cosim.scenario import Component, Connection, Direction, Scenario
 from cosim.theory.parameters import Architecture
 from cosim.theory.timing import Delay, Timing
 
+WITHOUT_CHANCE = (
+    "Loss, jitter and traces of the channel are left out here; theory loss and theory design take "
+    "them."
+)
+
 
 @dataclass(frozen=True, slots=True)
 class ScenarioLoop:
@@ -215,11 +220,7 @@ class _Parts:
         if samples * period != way.delay.ticks:
             _note(notes, f"A delay of {way.delay.ticks} ticks is taken as {samples} samples.")
         if way.is_random or way.trace is not None:
-            _note(
-                notes,
-                "Loss, jitter and traces of the channel are left out here; theory loss and theory "
-                "design take them.",
-            )
+            _note(notes, WITHOUT_CHANCE)
         return samples
 
 

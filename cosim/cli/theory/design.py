@@ -14,8 +14,8 @@ from cosim.theory.network import Network
 
 @click.command()
 @click.option("--delay", type=float, metavar="S", help="Mean one-way delay, instead of samples.")
-@click.option("--jitter", type=float, default=0.0, metavar="S", help="RMS jitter, one way.")
-@click.option("--loss", type=float, default=0.0, metavar="P", help="Probability of loss, one way.")
+@click.option("--jitter", type=float, metavar="S", help="RMS jitter, one way.")
+@click.option("--loss", type=float, metavar="P", help="Probability of loss, one way.")
 @click.option(
     "--margin",
     type=float,
@@ -32,15 +32,16 @@ def command(
     loop: Loop,
     as_json: bool,
     delay: float | None,
-    jitter: float,
-    loss: float,
+    jitter: float | None,
+    loss: float | None,
     margin: float,
     out: Path | None,
 ) -> None:
     """The stiffest couplers, their damping and the compensation, mean-square stable with a margin.
 
-    A gain given with --set is kept. The result is an overlay for the single-axis scenarios:
-    cohaptic run scenarios/single_axis_distributed.yaml --with FILE.
+    With --scenario, delay, jitter and loss are those of its channels, the worse direction's where
+    they differ. A gain given with --set is kept. The result is an overlay for the single-axis
+    scenarios: cohaptic run scenarios/single_axis_distributed.yaml --with FILE.
     """
     if loop.architecture == "single":
         raise InputError(
@@ -49,11 +50,21 @@ def command(
         )
     timing = loop.timing
     samples = max(timing.delay.forward, timing.delay.backward)
+    known = Network(
+        period=timing.network_period,
+        delay=samples * float(timing.network_period),
+        jitter=0.0,
+        loss=0.0,
+    )
+    if loop.scenario is not None:
+        from cosim.analysis.network import network_of
+
+        known = network_of(loop.scenario) or known
     network = Network(
         period=timing.network_period,
-        delay=samples * float(timing.network_period) if delay is None else delay,
-        jitter=jitter,
-        loss=loss,
+        delay=known.delay if delay is None else delay,
+        jitter=known.jitter if jitter is None else jitter,
+        loss=known.loss if loss is None else loss,
     )
     found = design(loop.parameters, network, timing.control_period, margin)
     written = overlay(loop.parameters, found)
@@ -87,4 +98,7 @@ def command(
             where,
         ]
     )
-    emit(result, text, as_json=as_json, notes=loop.notes)
+    from cosim.analysis.single_axis import WITHOUT_CHANCE
+
+    notes = tuple(note for note in loop.notes if note != WITHOUT_CHANCE)
+    emit(result, text, as_json=as_json, notes=notes)

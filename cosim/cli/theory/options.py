@@ -24,6 +24,7 @@ from cosim.theory.timing import Delay, Timing
 
 if TYPE_CHECKING:
     from cosim.analysis.single_axis import ScenarioLoop
+    from cosim.scenario import Scenario
 
 DEFAULTS: dict[int, dict[Architecture, dict[str, float]]] = {5: CHAPTER_5, 6: TABLE_6_1}
 
@@ -36,11 +37,13 @@ class Loop:
         parameters: its parameters, by the thesis's names.
         timing: its rates and delays.
         notes: sentences about how it was read, for people.
+        scenario: where the network comes from, unless the options say a delay.
     """
 
     parameters: Parameters
     timing: Timing
     notes: tuple[str, ...] = ()
+    scenario: Scenario | None = None
 
     @property
     def architecture(self) -> Architecture:
@@ -155,12 +158,12 @@ def _loop(
     users: int | None,
 ) -> Loop:
     delay_forms = (round_trip_delay, each_way_delay, forward_delay, backward_delay)
-    given_delay = None
+    given_delay = loaded = None
     if any(form is not None for form in delay_forms):
         given_delay = read_delay(*delay_forms)
     if scenario is not None:
         paths = tuple(text for text in settings if "." in text.partition("=")[0])
-        found = _from_scenario(scenario, overlays, paths)
+        found, loaded = _from_scenario(scenario, overlays, paths)
         if architecture not in {None, found.architecture} or users not in {None, found.users}:
             raise InputError(
                 f"{scenario} is {found.architecture} with {found.users} users, which contradicts "
@@ -187,19 +190,23 @@ def _loop(
         changes["ratio"] = read_fraction("--ratio", ratio)
     if given_delay is not None:
         changes["delay"] = given_delay
+        loaded = None
     if computation_delay is not None:
         changes["computation_delay"] = computation_delay
     if named == "single":
         # The single-user loop has no network: one frame is one control tick.
         changes |= {"ratio": Fraction(1), "delay": Delay()}
-    return Loop(parameters, replace(base, **changes), notes)
+    return Loop(parameters, replace(base, **changes), notes, loaded)
 
 
-def _from_scenario(name: str, overlays: tuple[str, ...], paths: tuple[str, ...]) -> ScenarioLoop:
+def _from_scenario(
+    name: str, overlays: tuple[str, ...], paths: tuple[str, ...]
+) -> tuple[ScenarioLoop, Scenario]:
     from cosim.analysis.loop import read_loop
     from cosim.scenario import load
 
-    return read_loop(load(name, overlays, paths))
+    scenario = load(name, overlays, paths)
+    return read_loop(scenario), scenario
 
 
 def read_setting(text: str) -> tuple[str, float]:
