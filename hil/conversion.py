@@ -92,8 +92,11 @@ class VoltageDrive:
         """Joint torque (N.m) of a DAC code; the zero code counts as exactly zero."""
         if code == self.zero_code:
             return 0.0
-        volts = self.low + (code - self.low_code) * self.volts_per_code
-        return (volts - self.bias) * self.torque_per_volt
+        return (self.voltage(code) - self.bias) * self.torque_per_volt
+
+    def voltage(self, code: int) -> float:
+        """The voltage of a DAC code."""
+        return self.low + (code - self.low_code) * self.volts_per_code
 
     @property
     def zero_code(self) -> int:

@@ -36,6 +36,8 @@ class Driver(ABC):
     """How often the device has a new sample, in control ticks."""
     in_process: ClassVar[bool] = False
     """Whether there is no hardware and no other process behind it (``mock``)."""
+    shares_port: ClassVar[bool] = True
+    """Whether a supervisor can open it and hand it to the loop; a maker's library cannot."""
     tested_on_hardware: ClassVar[bool] = False
     has_input: ClassVar[bool] = False
     """Whether the board tells of a switch on it, which can serve as a dead-man input."""

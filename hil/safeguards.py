@@ -19,7 +19,8 @@ def check_safeguards(device: Driver) -> None:
 
     Raises:
         ActivationRefused: a network transport to hardware, another Python thread in the process, no
-            verified watchdog and no supervisor, or no switch that cuts the power.
+            verified watchdog and no supervisor (or none that could take over), or no switch that
+            cuts the power.
     """
     permission = device.permission
     if device.in_process or permission is None:
@@ -35,7 +36,15 @@ def check_safeguards(device: Driver) -> None:
             f"{device.name}: another Python thread lives in the control process and would delay "
             "the loop by milliseconds"
         )
-    if device.watchdog.verified or emulated:
+    if device.watchdog.verified:
+        return
+    if not device.shares_port:
+        raise ActivationRefused(
+            f"{device.name} is reached through its maker's library, whose handle no supervisor can "
+            "take over, and its board has no watchdog that was seen to fire: it stays without "
+            "output"
+        )
+    if emulated:
         return
     if device.watchdog.timeout is not None:
         raise ActivationRefused(
