@@ -16,7 +16,7 @@ from math import isfinite, nan, pi
 from typing import Any, ClassVar
 
 from cosim.errors import InputError
-from hil.address import numbers
+from hil.address import number, numbers
 from hil.contract import ZERO, Sample, State, Watchdog
 from hil.conversion import TorqueDrive
 from hil.device import Device
@@ -28,7 +28,7 @@ INSTALL = "run 'pip install moteus'"
 STOPPED, FAULT, POSITION, TIMEOUT = 0, 1, 10, 11
 """Values of the mode register."""
 ANSWER_SECONDS = 0.002
-"""How long a query may take; after that the sample counts as missing."""
+"""How long the bus may take (``?budget=``, s); after that a sample counts as missing."""
 SET_UP_SECONDS = 1.0
 TRIES = 50
 
@@ -52,6 +52,7 @@ class MoteusDevice(Device):
         self._moteus = vendor("moteus", driver=self.driver, install=INSTALL)
         self._timeout = timeout_of(self.file)
         self._ids = numbers(self.address, "ids", 2, (1, 2))
+        self._budget = number(self.address, "budget", ANSWER_SECONDS)
         self._sequence, self._proved = 0, False
         self._modes: dict[int, int] = {}
         if not self.address.place:
@@ -65,7 +66,7 @@ class MoteusDevice(Device):
         except Exception as error:  # whatever the package raises, the sentence is the same
             raise DeviceGone(f"no bus at {self.address.url}: {error}") from error
         self._axes = [
-            self._moteus.Controller(id=number, transport=self._transport) for number in self._ids
+            self._moteus.Controller(id=each, transport=self._transport) for each in self._ids
         ]
         for _ in range(TRIES):
             self._send_zero()
@@ -103,20 +104,20 @@ class MoteusDevice(Device):
 
     def _receive(self) -> Sample | None:
         results = self._run(
-            self._transport.cycle([axis.make_query() for axis in self._axes]), ANSWER_SECONDS
+            self._transport.cycle([axis.make_query() for axis in self._axes]), self._budget
         )
         found = {result.id: result.values for result in results or ()}
-        if not all(number in found for number in self._ids):
+        if not all(each in found for each in self._ids):
             return None
         register = self._moteus.Register
         turns: list[float] = []
-        for number in self._ids:
-            values = found[number]
+        for each in self._ids:
+            values = found[each]
             turns.append(float(values[register.POSITION]))
-            self._modes[number] = int(values[register.MODE])
-            if self.state is State.ACTIVE and self._modes[number] != POSITION:
+            self._modes[each] = int(values[register.MODE])
+            if self.state is State.ACTIVE and self._modes[each] != POSITION:
                 raise BoardError(
-                    f"moteus {number} left position mode: it is in mode {self._modes[number]}, "
+                    f"moteus {each} left position mode: it is in mode {self._modes[each]}, "
                     f"fault {int(values.get(register.FAULT, 0))}"
                 )
         if not all(isfinite(turn) for turn in turns):
@@ -162,7 +163,7 @@ class MoteusDevice(Device):
         self._put([axis.make_stop() for axis in self._axes])
 
     def _put(self, commands: list[Any]) -> None:
-        if self._run(self._transport.cycle(commands), ANSWER_SECONDS) is None:
+        if self._run(self._transport.cycle(commands), self._budget) is None:
             raise DeviceGone("the bus does not take a command")
 
     def _enter(self) -> None:

@@ -7,6 +7,7 @@ the driver's functions: what a master set up by SDO is what the PDOs then carry.
 
 from __future__ import annotations
 
+import contextlib
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from math import pi
 from typing import Any
 
 import canopen
-from canopen.sdo.exceptions import SdoAbortedError
+from canopen.sdo.exceptions import SdoAbortedError, SdoError
 
 from hil.emulators.board import Board, Frame, Unit
 from hil.emulators.canopen_objects import dictionary
@@ -319,7 +320,9 @@ class CanopenBoard(Board):
         elif function == 0x200 and number in self._nodes:
             self._nodes[number].take(frame.data)
         elif function == 0x600 and len(frame.data) == 8:
-            self._wire.notify(frame.identifier, bytearray(frame.data), self._time)
+            # The package's server stumbles over requests that make no sense; a node stays silent.
+            with contextlib.suppress(struct.error, LookupError, ArithmeticError, SdoError):
+                self._wire.notify(frame.identifier, bytearray(frame.data), self._time)
 
     def _command(self, frame: Frame) -> None:
         command, number = frame.data

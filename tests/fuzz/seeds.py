@@ -30,13 +30,13 @@ SEEDS: dict[str, tuple[bytes, ...]] = {
     "side_channel": (
         b'{"do": "fault", "kind": "drop", "start": 3, "ticks": 1, "bit": 2}',
         b'{"do": "shift", "by": [0.1, 0.2]}',
-        b'{"do": "advance", "ticks": 2}',
         b'{"do": "state"}',
         b"s\0\0\0\0\0\0\0\0",
     ),
     "slcan_lines": (b"t0298001122334455667\r", b"t0090\rr0090\r\aT00000001122\r"),
     "contracts": (b'{"rate": "128"}', zlib.compress(b'{"rate": "127"}'), b"["),
     "key_files": (b"cohaptic-key-1 " + b"A" * 43 + b"=\n",),
+    "canopen_frames": (b"\5", bytes(8), bytes.fromhex("43001800aabbccdd"), b"\x80" + bytes(7)),
     "odrive_frames": (bytes(8), b"\0\0\x80\x3f\0\0\0\x40"),
     "haply_reply": (b"\x05\0\0\x80\x3f\0\0\0\x40",),
 }
