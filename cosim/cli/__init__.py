@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from cosim.cli.stdout import reserve_stdout
 from cosim.errors import CohapticError
 
 # Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
@@ -54,6 +55,7 @@ def cli() -> None:
 
 def main() -> None:
     """Run the command line; a user's mistake ends in a sentence and an exit status."""
+    reserve_stdout()
     try:
         cli(standalone_mode=False)
     except click.exceptions.Exit as stop:

@@ -32,6 +32,8 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
         number = int(kernel.status)
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
+        if status == "discard" and fmu is not None and fmu.asks_to_end():
+            return RunError(f"{component} asked to end the simulation at {when}{logged}")
         kind = RunError if kernel.running or status == "fatal" else InputError
         return kind(
             f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"

@@ -18,6 +18,8 @@ from cosim.scenario.timebase import hertz
 LOG_BYTES = 8192
 STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
 
+_FMI2_TERMINATED = 3
+"""Of fmi2StatusKind."""
 _NAMES_2 = {
     VariableType.FLOAT64: "Real",
     VariableType.INT32: "Integer",
@@ -123,11 +125,18 @@ class Fmu:
             self._choose_log_categories(categories)
 
     def set_values(self, values: Mapping[str, list[Any]]) -> None:
-        """Set parameters or start values before initialisation; structural ones must come first.
+        """Set parameters or start values before initialisation; ``configure`` comes first.
 
         Raises:
             InputError: the FMU refuses one.
         """
+        self._set_each({n: e for n, e in values.items() if not self._is_structural(n)})
+
+    def _is_structural(self, variable: str) -> bool:
+        causality = self.description.variables[variable].causality
+        return causality is Causality.STRUCTURAL_PARAMETER
+
+    def _set_each(self, values: Mapping[str, list[Any]]) -> None:
         for name, elements in values.items():
             kind = self.description.variables[name].type
             try:
@@ -144,15 +153,11 @@ class Fmu:
             InputError: the FMU refuses one, or all of them together.
             RunError: it failed for good.
         """
-        structural = {
-            name: elements
-            for name, elements in values.items()
-            if self.description.variables[name].causality is Causality.STRUCTURAL_PARAMETER
-        }
+        structural = {n: e for n, e in values.items() if self._is_structural(n)}
         if not structural:
             return
         self._call("enter configuration mode", self._fmu.enterConfigurationMode)
-        self.set_values(structural)
+        self._set_each(structural)
         self._call("leave configuration mode", self._fmu.exitConfigurationMode)
 
     def enter_initialisation(self, stop_time: float) -> None:
@@ -184,6 +189,19 @@ class Fmu:
         """
         self._call("leave initialisation mode", self._fmu.exitInitializationMode)
         self._initialised = True
+
+    def asks_to_end(self) -> bool:
+        """After a step that was discarded: whether it was because the model has come to its end.
+
+        FMI 3 says so with the step itself; FMI 2 is asked for it (section 4.2.1, fmi2Terminated).
+        """
+        if self.version != 2:
+            return False
+        found = ctypes.c_int(0)
+        ask = self._fmu.dll.fmi2GetBooleanStatus
+        return ask(self._fmu.component, _FMI2_TERMINATED, ctypes.byref(found)) == 0 and bool(
+            found.value
+        )
 
     def close(self, *, failed: bool = False) -> None:
         """Terminate and free. ``failed``: an error status was met, so only freeing is allowed."""

@@ -103,14 +103,19 @@ def _read_fmu(
     path = bundled(source, written.flavour) if own else Path(source)
     description = read_description(path)
     find_binary(description)
-    parameters = _values(written, description, "parameters", written.parameters, problems)
-    structure = {
-        name: int(elements[0])
-        for name, elements in parameters.items()
-        if description.variables[name].causality is Causality.STRUCTURAL_PARAMETER
+    # Structural parameters first: they say how many elements the others have.
+    structural = {
+        name: value
+        for name, value in written.parameters.items()
+        if (variable := description.variables.get(name)) is not None
+        and variable.causality is Causality.STRUCTURAL_PARAMETER
     }
-    if structure:
-        description = read_description(path, structure)
+    parameters = _values(written, description, "parameters", structural, problems)
+    if parameters:
+        sizes = {name: int(elements[0]) for name, elements in parameters.items()}
+        description = read_description(path, sizes)
+    others = {k: v for k, v in written.parameters.items() if k not in structural}
+    parameters |= _values(written, description, "parameters", others, problems)
     return Participant(
         name=written.name,
         period=written.period,
