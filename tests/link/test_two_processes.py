@@ -29,7 +29,9 @@ def free_ports() -> tuple[int, int]:
         return a.getsockname()[1], b.getsockname()[1]
 
 
-def station(name: str, ports: tuple[int, int], out: Path, *more: str) -> subprocess.Popen[str]:
+def station(
+    name: str, ports: tuple[int, int], out: Path, *more: str, own_session: bool = False
+) -> subprocess.Popen[str]:
     own, other = ports if name == "station_a" else ports[::-1]
     return subprocess.Popen(
         [
@@ -40,6 +42,7 @@ def station(name: str, ports: tuple[int, int], out: Path, *more: str) -> subproc
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=own_session,
     )
 
 
@@ -127,34 +130,56 @@ def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp
     assert not (tmp_path / "station_b").exists()
 
 
+HOLD, FADE, RESUME = 5 * 8, 52, 1024
+"""Base ticks: of a sample and four that are held, of the fade, of the way back."""
+MAX_FORCE = 2.5
+"""N, the start value of ``max_force``."""
+
+
+def said(process: subprocess.Popen[str], sentence: str) -> None:
+    """Read what a station says until it has said that."""
+    heard = ""
+    while sentence not in heard:
+        line = process.stderr.readline()
+        assert line, heard
+        heard += line
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("victim", ["station_a", "station_b"])
 def test_killing_and_restarting_one_side_heals_by_itself(tmp_path, victim: str) -> None:
+    """All processes of one side are killed at once, as a power cut would."""
     ports = free_ports()
     other = {"station_a": "station_b", "station_b": "station_a"}[victim]
-    survivor = station(other, ports, tmp_path, "--duration", "16", "--realtime")
-    first = station(victim, ports, tmp_path, "--duration", "16", "--realtime")
-    while not (tmp_path / victim / "run.h5").exists():
-        time.sleep(0.1)
+    survivor = station(other, ports, tmp_path, "--duration", "30", "--realtime")
+    first = station(victim, ports, tmp_path, "--duration", "60", "--realtime", own_session=True)
+    said(first, "connected to 1 of 1")
     time.sleep(6.0)
-    first.kill()
+    os.killpg(first.pid, signal.SIGKILL)
     first.communicate()
-    again = station(victim, ports, tmp_path / "again", "--duration", "5", "--realtime")
+    again = station(victim, ports, tmp_path / "again", "--duration", "4", "--realtime")
     outputs = [process.communicate() for process in (survivor, again)]
     assert [survivor.returncode, again.returncode] == [0, 0], outputs
     link = link_of(tmp_path / other)
     assert link["sessions"] >= 2
     with open_run(tmp_path / other) as run:
+        ticks = run.ticks
         weight = run[f"link_{victim}.lan.weight"].values
-        forces = [
-            run[f"vr_{other[-1]}.finger_{finger}.force[{axis}]"].values
-            for finger in (1, 2)
-            for axis in (1, 2)
+        sequence = run[f"link_{victim}.lan.sequence"].values
+        axes = [
+            np.hypot(*(run[f"vr_{other[-1]}.finger_{f}.force[{axis}]"].values for axis in (1, 2)))
+            for f in (1, 2)
         ]
-    lost = np.flatnonzero(weight == 0.0)
-    lost = lost[lost > np.argmax(weight == 1.0)]
-    assert len(lost) > 0
-    assert weight[lost[-1] :].max() > 0.5
-    back = np.diff(weight[lost[0] :])
-    assert back.max() <= 1.01 / 1024
-    assert max(float(np.abs(force).max()) for force in forces) <= 2.5 * np.sqrt(2.0) + 1e-9
+    # Every tick is in the record, and at none of them a force beyond the limit.
+    assert [len(force) for force in axes] == [ticks, ticks]
+    assert max(float(force.max()) for force in axes) <= MAX_FORCE + 1e-9
+    began = int(np.argmax(weight == 1.0))
+    gone = began + int(np.argmax(weight[began:] == 0.0))
+    assert weight[gone] == 0.0
+    last = 1 + int(np.flatnonzero(np.diff(sequence[:gone]))[-1])
+    assert HOLD + FADE - 2 <= gone - last <= HOLD + FADE
+    # It came back by itself, as slowly as is stated, and left in order at its end.
+    steps = np.diff(weight[gone:])
+    assert steps.max() <= 1.01 / RESUME
+    assert steps.min() >= -1.01 / FADE
+    assert weight[gone:].max() == 1.0
