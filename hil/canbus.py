@@ -174,18 +174,19 @@ class CanBus:
             raise DeviceGone(f"the bus {self.name} does not take a frame: {error}") from error
         self.sent += 1
         self._mine.add(identifier)
+        self._collected.clear()  # who writes has read: whoever reads next begins a tick
 
     def collect(self, device: object) -> None:
         """Have this tick's frames in ``latest``; the first device of a tick does the work."""
         if device not in self._collected and self._collected:
             self._collected.add(device)
             return
-        self._collected = {device}
         if self.begin_tick is not None:
             # What is here by now answered an earlier SYNC, and does not say which.
             self._drain()
             self._before = {name: count for name, (count, _) in self._latest.items()}
             self.begin_tick()
+        self._collected = {device}
         if self._stepping and self.control is not None:
             expected, end = self.control.sync(self.sent), time.monotonic() + PATIENCE
             late = False

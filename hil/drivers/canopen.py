@@ -52,6 +52,8 @@ class CanopenDevice(Device):
     driver = "canopen"
     latency_ticks: ClassVar[int] = 0
 
+    heartbeat = wire.LAST_NODE
+    """The node number of our heartbeat, which the nodes with outputs watch."""
     _bus: CanBus | None = None
     _proved = False
 
@@ -80,7 +82,7 @@ class CanopenDevice(Device):
         timing = Timing(
             heartbeat_ms=self._heartbeat_ms,
             watchdog_ms=self._watchdog_ms,
-            producer=self._producer,
+            producer=self.heartbeat,
             timeout=float(self.file.settings.get("timeout", TIMEOUT_SECONDS)),
         )
         first, second = self.file.joints
@@ -130,23 +132,35 @@ class CanopenDevice(Device):
         return max(value, least)
 
     def _joined(self) -> CanBus:
-        bus = self._bus = open_bus(self.address, self.pulse)
-        if bus.users and bus.begin_tick is None:
-            raise InputError(f"{bus.name} carries another protocol; CANopen needs a bus of its own")
-        taken = [node for node in self._layout.nodes if wire.heartbeat_id(node) in bus.events]
-        if taken:
-            raise InputError(f"CANopen node {taken[0]} on {bus.name} belongs to another device")
-        self._producer = wire.LAST_NODE - len(bus.users)
-        bus.extra = SYNC_FRAME
-        bus.join(self, self._layout.frames, 1 / self.tick)
+        bus = open_bus(self.address, self.pulse)
+        try:
+            self._check_bus(bus)
+            bus.extra = SYNC_FRAME
+            bus.join(self, self._layout.frames, 1 / self.tick)
+        except InputError:
+            bus.leave(self)
+            raise
+        self._bus = bus
         bus.begin_tick = partial(bus.send, wire.SYNC)
         bus.awaited.update(wire.positions_id(node) for node in self._layout.measuring)
         for node in self._layout.nodes:
             bus.events.update({name: [] for name in _told(node)})
-        own = [wire.NMT, wire.SYNC, wire.heartbeat_id(self._producer)]
+        own = [wire.NMT, wire.SYNC, wire.heartbeat_id(self.heartbeat)]
         own += [wire.sdo_request_id(node) for node in self._layout.nodes]
         bus.claim([*own, *(wire.outputs_id(node) for node in self._layout.driving)])
         return bus
+
+    def _check_bus(self, bus: CanBus) -> None:
+        """Who else is on it? Our heartbeat gets a number that no other device on it uses."""
+        if bus.users and bus.begin_tick is None:
+            raise InputError(f"{bus.name} carries another protocol; CANopen needs a bus of its own")
+        for node in self._layout.nodes:
+            if wire.heartbeat_id(node) in bus.events:
+                raise InputError(f"CANopen node {node} on {bus.name} belongs to another device")
+        others = {each.heartbeat for each in bus.users if isinstance(each, CanopenDevice)}
+        self.heartbeat = next(n for n in range(wire.LAST_NODE, 0, -1) if n not in others)
+        if self.heartbeat in self._layout.nodes:
+            raise InputError(f"node number {self.heartbeat} is our own heartbeat's; choose another")
 
     def _serial(self) -> str | None:
         return self._number
@@ -157,7 +171,7 @@ class CanopenDevice(Device):
         bus = self._opened()
         bus.collect(self)
         self._take_answers(bus)
-        trouble = self._take_heartbeats(bus) or self._take_emergencies(bus)
+        trouble = self._trouble(bus)
         if trouble is not None and self._running and self.state is not State.FAULT:
             raise trouble
         raw = self._positions(bus)
@@ -196,6 +210,13 @@ class CanopenDevice(Device):
         self._units[joint] += wire.step(self._last[joint], raw, self._ranges[joint])
         self._last[joint] = raw
 
+    def _trouble(self, bus: CanBus) -> DeviceError | None:
+        """What the nodes say of themselves, where it is anything but "operational"."""
+        lost, report = self._take_heartbeats(bus), self._take_emergencies(bus)
+        if lost is None:
+            return None if report is None else BoardError(report)
+        return lost if report is None else NodeLost(f"{report}; {lost}")
+
     def _take_heartbeats(self, bus: CanBus) -> DeviceError | None:
         trouble: DeviceError | None = None
         for node in self._layout.nodes:
@@ -215,12 +236,12 @@ class CanopenDevice(Device):
                 )
         return trouble
 
-    def _take_emergencies(self, bus: CanBus) -> DeviceError | None:
+    def _take_emergencies(self, bus: CanBus) -> str | None:
         for node in self._layout.nodes:
             for data in _taken(bus, wire.emergency_id(node)):
                 report = wire.emergency(data)
                 if report.code:
-                    return BoardError(f"CANopen node {node} reports {report}")
+                    return f"CANopen node {node} reports {report}"
         return None
 
     def _send(self, tick: int, torque: Pair) -> Pair:
@@ -230,7 +251,7 @@ class CanopenDevice(Device):
         if self._armed:
             if self._since_beat == 0:
                 data = wire.heartbeat(NmtState.OPERATIONAL)
-                self._opened().send(wire.heartbeat_id(self._producer), data)
+                self._opened().send(wire.heartbeat_id(self.heartbeat), data)
             self._since_beat = (self._since_beat + 1) % self._beat_ticks
         return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
 
@@ -306,7 +327,7 @@ class CanopenDevice(Device):
         """Have the nodes with outputs watch our heartbeat, which begins with the first command."""
         for node in self._layout.driving:
             entry = Object(Index.HEARTBEAT_CONSUMER, 1, 4)
-            value = wire.consumer(self._producer, self._watchdog_ms)
+            value = wire.consumer(self.heartbeat, self._watchdog_ms)
             self._write(node, entry, value)
             if self._read(node, entry) != value:
                 raise ActivationRefused(f"CANopen node {node} does not watch our heartbeat")

@@ -37,9 +37,12 @@ LISTS = (
     (0x6020, "Position values, multi-sensor", "ro", [("Channel 1", I32, 0), ("Channel 2", I32, 0)]),
     (0x6411, "Write analogue output", "rw", [("Output 1", I16, 0), ("Output 2", I16, 0)]),
     (0x6443, "Analogue output error mode", "rw", [("Output 1", U8, 0), ("Output 2", U8, 0)]),
-    (0x6444, "Analogue output error value", "rw", [("Output 1", I32, 0), ("Output 2", I32, 0)]),
+    (0x6444, "Analogue output error value", "rw", [("Output 1", I32, 3277), ("Output 2", I32, 0)]),
 )
-"""Index, name, access, members from sub-index 1 on; 6443h is 0 (hold), as some devices leave it."""
+"""Index, name, access, members from sub-index 1 on.
+
+As a careless maker leaves them: outputs hold on an error (6443h), or would give 1 V (6444h).
+"""
 
 PDOS = (
     (0x1400, 0x1600, "RPDO 1", 0x200, 255, (0x64110110, 0x64110210)),
