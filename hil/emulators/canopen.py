@@ -25,6 +25,13 @@ from hil.emulators.world import World
 SYNC = 0x080
 TORQUE_PER_CODE = 10.0 / 32767 * 0.5 * 0.0364
 """A DAC of +-10 V, an amplifier of 0.5 A/V and a motor of 0.0364 N.m/A (N.m)."""
+ENTRIES = 2
+MAPPABLE = {(0, 0, 0), (0x6004, 0, 32), (0x6020, 1, 32), (0x6020, 2, 32)} | {
+    (0x6411, 1, 16),
+    (0x6411, 2, 16),
+}
+"""Objects with sub-index and bits that a PDO may carry, at most so many of them."""
+LARGEST_CODE = 32767
 HEARTBEAT_MISSING, HARDWARE = 0x8130, 0x5000
 COMMUNICATION_ERROR, HARDWARE_ERROR = 0x11, 0x81
 """Error register: generic, with communication or manufacturer specific."""
@@ -188,11 +195,7 @@ class Node:
         for number in (0, 1):
             identifier = self.value(0x1800 + number, 1)
             if not identifier & _INVALID and 1 <= self.value(0x1800 + number, 2) <= 240:
-                data = b"".join(
-                    self.local.get_data(index, subindex)
-                    for index, subindex, _ in self._mapped(0x1A00 + number)
-                )
-                frames.append(Frame(identifier & 0x7FF, data))
+                frames.append(Frame(identifier & 0x7FF, self._packed(0x1A00 + number)))
         return frames
 
     def hear(self, producer: int, now: float) -> None:
@@ -223,12 +226,19 @@ class Node:
             if not self.failed and self.local.nmt.state != "STOPPED":
                 self.driven[channel] = self.value(0x6411, channel)
             elif self.value(0x6443, channel):
-                self.driven[channel] = self.value(0x6444, channel)
+                wanted = self.value(0x6444, channel)
+                self.driven[channel] = max(-LARGEST_CODE, min(LARGEST_CODE, wanted))
 
     def _mapped(self, mapping: int) -> list[tuple[int, int, int]]:
         """Index, sub-index and bytes of what a PDO carries."""
         entries = [self.value(mapping, n + 1) for n in range(self.value(mapping, 0))]
-        return [(entry >> 16, entry >> 8 & 0xFF, (entry & 0xFF) // 8) for entry in entries]
+        return [(entry >> 16, entry >> 8 & 0xFF, (entry & 0xFF) // 8) for entry in entries if entry]
+
+    def _packed(self, mapping: int) -> bytes:
+        parts = (
+            self.local.get_data(index, subindex) for index, subindex, _ in self._mapped(mapping)
+        )
+        return b"".join(parts)[:8]
 
     def _unpack(self, data: bytes) -> None:
         entries = self._mapped(0x1600)
@@ -242,14 +252,15 @@ class Node:
         joint = self.its.positions.get((index, subindex))
         if joint is None:
             return None
-        return (self._count(joint) + self._zero[index, subindex]) % self.value(0x6002, 0)
+        span = self.value(0x6002, 0) or 1 << 32
+        return (self._count(joint) + self._zero[index, subindex]) % span
 
     def _count(self, joint: int) -> int:
         return round(self._world.angle()[joint] / (2 * pi) * self.value(0x6001, 0))
 
     def _write(self, index: int, subindex: int, data: bytes, **_: Any) -> None:
         if 0x1A00 <= index <= 0x1A01 or index == 0x1600:
-            self._check_mapping(index, subindex)
+            self._check_mapping(index, subindex, int.from_bytes(data, "little"))
         if index == 0x1016:
             self._heard = None
         place = {0x6003: (0x6004, 0), 0x6010: (0x6020, subindex)}.get(index)
@@ -257,11 +268,15 @@ class Node:
             (wanted,) = struct.unpack("<i", data)
             self._zero[place] = wanted - self._count(self.its.positions[place])
 
-    def _check_mapping(self, index: int, subindex: int) -> None:
+    def _check_mapping(self, index: int, subindex: int, value: int) -> None:
         """A mapping changes only while its PDO is invalid and counts no entries (CiA 301)."""
         valid = not self.value(index - 0x200, 1) & _INVALID
         if valid or (subindex and self.value(index, 0)):
             raise SdoAbortedError(0x08000022)
+        if subindex and (value >> 16, value >> 8 & 0xFF, value & 0xFF) not in MAPPABLE:
+            raise SdoAbortedError(0x06040041)
+        if not subindex and value > ENTRIES:
+            raise SdoAbortedError(0x06040042)
 
 
 class CanopenBoard(Board):

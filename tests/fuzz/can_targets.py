@@ -1,10 +1,9 @@
-"""CAN: ODrive's and CANopen's frames on both sides, and the ``slcan`` bus that is used here."""
+"""CAN: ODrive's frames on both sides, and the ``slcan`` bus that is used here."""
 
 from __future__ import annotations
 
 import copy
 import functools
-import logging
 from math import isfinite, pi
 from types import SimpleNamespace
 from typing import Any
@@ -15,18 +14,15 @@ from hil.contract import State
 from hil.device_file import parse as parse_file
 from hil.drivers.odrive import OdriveDevice
 from hil.emulators.board import Frame
-from hil.emulators.canopen import CanopenBoard
 from hil.emulators.odrive import OdriveBoard
 from hil.emulators.world import World
 from hil.errors import ProtocolError
-from hil.protocols import canopen, odrive
+from hil.protocols import odrive
 from hil.slcan import StrictSlcanBus
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import TICK, Rest
 
 PLACE = (1.0, 2.0)
-logging.getLogger("canopen").setLevel(logging.CRITICAL)
-"""The package says what it does not support, a thousand times a second here."""
 
 
 def odrive_frames(data: bytes) -> None:
@@ -76,38 +72,6 @@ def odrive_driver(data: bytes) -> None:
                 assert latest is not None
                 turns = odrive.estimates(latest[1])[0]
                 assert measured.joint_angle[node] == 2 * pi * turns
-
-
-def canopen_frames(data: bytes) -> None:
-    """Any data field is values or a protocol error."""
-    for read, size in (
-        (canopen.state, 1),
-        (canopen.emergency, 8),
-        (lambda content: canopen.positions(content, 2), 8),
-        (canopen.sdo_answer, 8),
-    ):
-        try:
-            assert read(data) is not None
-        except ProtocolError:
-            continue
-        assert len(data) == size
-
-
-def canopen_board(data: bytes) -> None:
-    """Whatever frames come, the outputs are numbers, and none without having been started."""
-    script = Script(data)
-    board = CanopenBoard(World(Rest(PLACE), lockstep=False))
-    functions = (0x000, 0x080, 0x200, 0x580, 0x600, 0x700)
-    started = False
-    while script.left:
-        identifier = functions[script.number(6)] + script.number(4)
-        content = script.take(script.number(9))
-        started |= identifier == 0x000 and content[:1] == b"\x01"
-        board.receive(Frame(identifier, content))
-        if script.number(4) == 1:
-            board.tick()
-        assert all(isfinite(torque) for torque in board.world.torque)
-        assert started or board.world.torque == (0.0, 0.0)
 
 
 class FakeBus:
@@ -177,8 +141,6 @@ TARGETS = {
         odrive_frames,
         odrive_board,
         odrive_driver,
-        canopen_frames,
-        canopen_board,
         slcan_bus,
     )
 }
