@@ -97,7 +97,7 @@ def _python(text: str) -> tuple[str | None, str]:
 
 
 def _url(text: str) -> tuple[str | None, str]:
-    if re.match(r"[a-z][a-z0-9+.-]*://", text):
+    if re.match(r"[a-z][a-z0-9+._-]*://", text):
         return text, ""
     return None, f"'{text}' is no device URL; write 'driver://port', such as 'mock://'."
 

@@ -18,8 +18,10 @@ from cosim.cli import cli
 from cosim.errors import RunError
 from cosim.record.reader import open_run
 from cosim.scenario import load
+from hil.address import parse
 from hil.device_file import save
 from hil.emulators.launch import Emulator, Order
+from hil.registry import find
 
 DURATION = "1.6 s"
 TICKS = 1639
@@ -30,13 +32,13 @@ LIMITS = {"torque": 0.25, "continuous_torque": 0.2, "slew": 1000.0, "tip_speed":
 FINGER, WORKSTATION = "finger_a1", "vr_a"
 
 
-def emulated(*, lockstep: bool) -> Emulator:
+def emulated(*, lockstep: bool, name: str = "haply") -> Emulator:
     """A board that moves the very pantograph and operator that the scenario has."""
     scenario = load("two_users_box")
     pantograph = scenario.components[FINGER].parameters
     return Emulator(
         Order(
-            name="haply",
+            name=name,
             lockstep=lockstep,
             priority=0 if lockstep else 65,
             parameters={**QUANSER, **pantograph},
@@ -48,7 +50,7 @@ def emulated(*, lockstep: bool) -> Emulator:
 def device_file(folder: Path, emulator: Emulator) -> Path:
     path = folder / "device.yaml"
     document = {
-        "driver": "haply",
+        "driver": parse(emulator.url).driver,
         "preset": "quanser",
         "home": list(emulator.home),
         "limits": LIMITS,
@@ -90,7 +92,7 @@ def signal(folder: Path, name: str) -> np.ndarray:
 
 TWIN = f"""
 components:
-  finger_a1: {{parameters: {{computation_delay_ticks: 1}}}}
+  finger_a1: {{parameters: {{computation_delay_ticks: %d}}}}
   safety: {{
     python: "hil.safety_component:Safety", station: station_a, rate: control, parameters: {LIMITS}
   }}
@@ -103,16 +105,17 @@ connections:
 """The simulated finger with what the device has besides: latency, and the safety layer."""
 
 
-@pytest.fixture(scope="module")
-def simulated(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("simulated")
-    (folder / "twin.yaml").write_text(TWIN)
+def simulate(folder: Path, latency: int) -> Path:
+    folder.mkdir()
+    (folder / "twin.yaml").write_text(TWIN % latency)
     run(folder / "run", "--with", str(folder / "twin.yaml"))
     return folder / "run"
 
 
-def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path, simulated):
-    with emulated(lockstep=True) as emulator:
+@pytest.mark.parametrize("name", ["canopen", "haply"])
+def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path, name):
+    simulated = simulate(tmp_path / "simulated", find(name).latency_ticks)
+    with emulated(lockstep=True, name=name) as emulator:
         run(tmp_path / "run", *swapped(tmp_path, emulator))
         assert emulator.control.ask("state")["torque"] == [0.0, 0.0]
     finger = [
@@ -122,10 +125,10 @@ def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path
     assert apart[:FREE_TICKS].max() < 2 * COUNT, "in free motion they are two counts apart at most"
     # From the first touch on, half a count is another moment of contact and another slide of the
     # fingertip: the bound is what that makes of the box in half a second.
-    for name, bound in (("x", 1.5e-3), ("y", 1.5e-3), ("theta", 0.02)):
-        expected = signal(simulated, f"vr_a.box_pose.{name}")
-        found = signal(tmp_path / "run", f"vr_a.box_pose.{name}")
-        assert np.abs(found - expected).max() < bound, name
+    for axis, bound in (("x", 1.5e-3), ("y", 1.5e-3), ("theta", 0.02)):
+        expected = signal(simulated, f"vr_a.box_pose.{axis}")
+        found = signal(tmp_path / "run", f"vr_a.box_pose.{axis}")
+        assert np.abs(found - expected).max() < bound, axis
     assert signal(simulated, "vr_a.finger_1.normal_force").max() > 0.5, "it has to touch the box"
 
 

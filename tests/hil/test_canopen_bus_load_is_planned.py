@@ -1,4 +1,4 @@
-"""SYNC and 1, 2, 4 two-axis CANopen nodes at 1024 Hz take 24, 44, 83 % of 1 Mbit/s; 4 do not fit."""
+"""SYNC and 1, 2, 4 two-axis CANopen nodes take 24, 44, 83 % of a bus at 1024 Hz; 4 do not fit."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cosim.errors import InputError
+from cosim.scenario import load
 from hil.address import number, numbers, parse
 from hil.drivers.mock import MockDevice
 from hil.registry import find, names
@@ -44,3 +45,13 @@ def test_drivers_are_found_by_entry_point():
     assert find("mock") is MockDevice
     with pytest.raises(InputError, match="did you mean 'haply'"):
         find("haptly")
+
+
+def test_a_scenario_takes_the_urls_that_emulators_print():
+    for url in (
+        "canopen+udp_multicast://239.74.163.2:43113?nodes=1",
+        "odrive+slcan:///dev/pts/3",
+        "haply+rfc2217://host:1",
+    ):
+        loaded = load("two_users_box", (), [f"components.finger_a1.device='{url}'"])
+        assert loaded.components["finger_a1"].source == url
