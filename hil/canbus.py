@@ -214,6 +214,11 @@ class CanBus:
         count, data = self._latest.get(identifier, (0, b""))
         return data if count > self._before.get(identifier, 0) else None
 
+    def taken(self, identifier: int) -> list[bytes]:
+        """Every frame of an identifier in ``events`` since the last time."""
+        frames, self.events[identifier] = self.events[identifier], []
+        return frames
+
     def claim(self, identifiers: Iterable[int]) -> None:
         """Frames of these identifiers are our own, whoever sends them through ``raw``."""
         self._mine.update(identifiers)

@@ -1,7 +1,7 @@
 """``canopen+socketcan://can0?nodes=1``: CiA 406 encoders and CiA 401 analogue outputs on CAN.
 
 One SYNC a tick: positions are sampled at it and come back in the same tick; outputs take over their
-values on reception. Nodes are set up by ``hil.canopen_setup``; here there are raw frames only.
+values on reception. Nodes are set up by ``hil.canopen``; here there are raw frames only.
 From activation on the nodes with outputs watch our heartbeat and drop to zero without it. A node
 that starts anew, changes state or falls silent un-homes the device; an emergency ends in FAULT.
 """
@@ -16,8 +16,10 @@ from typing import ClassVar
 from cosim.errors import InputError
 from hil.address import Address
 from hil.canbus import CanBus, open_bus
-from hil.canopen_layout import layout
-from hil.canopen_setup import Timing, set_up
+from hil.canopen.layout import layout
+from hil.canopen.set_up import Timing, set_up
+from hil.canopen.supervision import Events, Supervision, told_under
+from hil.canopen.zero_check import ZeroCheck
 from hil.contract import BusUse, Sample, State, Watchdog
 from hil.conversion import VoltageDrive
 from hil.device import Device
@@ -25,21 +27,19 @@ from hil.device_file import DeviceFile
 from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.linkage import Pair
 from hil.protocols import canopen as wire
-from hil.protocols.canopen import Index, NmtState, Object, SdoAnswer
+from hil.protocols.canopen import Index, NmtCommand, NmtState, Object, SdoAnswer
 
 SYNC_FRAME = (0,)
 """Data bytes of what is sent once for all devices on a bus."""
 HEARTBEAT_MS, WATCHDOG_MS = 5, 20
 """How often a node and we say that we are alive; how long a node lets us be silent."""
+HEARTBEAT_MISSING = 0x8130
+"""Emergency code of a node that misses our heartbeat (CiA 301)."""
 MISSED_HEARTBEATS = 3
 LEAST_WATCHDOG_TICKS = 4
 TIMEOUT_SECONDS = 2.0
-ANSWER_TICKS = 8
-"""Ticks after which a question about an output is asked again."""
 SETUP_TICKS = 1024
 """Exchanges within which a node has to do what it was asked, outside the loop."""
-QUIET_TICKS = 4
-"""While nothing is wrong, one in so many zeros is asked back, which keeps the bus's load low."""
 RESIDUAL_SHARE = 0.01
 """Largest torque at code 0, which outputs drop to by themselves, as a share of the limit."""
 PRESET_TOLERANCE = 0.1
@@ -47,7 +47,7 @@ PRESET_TOLERANCE = 0.1
 
 
 class CanopenDevice(Device):
-    """Two joints on one to three nodes; ``settings`` as ``hil.canopen_layout`` says."""
+    """Two joints on one to three nodes; ``settings`` as ``hil.canopen.layout`` says."""
 
     driver = "canopen"
     latency_ticks: ClassVar[int] = 0
@@ -72,6 +72,7 @@ class CanopenDevice(Device):
     def _open(self) -> None:
         self._layout = layout(self.address, self.file)
         self._drives = self._checked_drives()
+        self._zero_codes = self._drives[0].zero_code, self._drives[1].zero_code
         self._heartbeat_ms = self._milliseconds("heartbeat", HEARTBEAT_MS)
         self._watchdog_ms = self._milliseconds("watchdog", WATCHDOG_MS)
         self._beat_ticks = max(1, int(self._heartbeat_ms * 1e-3 / self.tick))
@@ -91,23 +92,23 @@ class CanopenDevice(Device):
             self._layout,
             timing,
             (first.counts_per_turn, second.counts_per_turn),
-            (self._drives[0].zero_code, self._drives[1].zero_code),
+            self._zero_codes,
         )
         self._ranges, self._number, self._proved = found.ranges, found.serial, True
         self._begin()
         bus.keep_step()
-        self._until(self._all_operational, "its nodes do not become operational")
+        self._until(lambda: self._nodes.all_operational, "its nodes do not become operational")
         self._until(lambda: self._sequence > 0, "its encoders send no positions on SYNC")
         self._running = True
 
     def _begin(self) -> None:
         """What is known of the nodes at the start: nothing."""
-        self._states = dict.fromkeys(self._layout.nodes, NmtState.BOOT_UP)
-        self._silence = dict.fromkeys(self._layout.nodes, 0)
+        self._nodes = Supervision(self._layout.nodes, self._silent_ticks)
+        self._zero_check = ZeroCheck(self._layout.outputs, self._zero_codes)
+        self._expired: set[int] = set()
         self._sequence = self._since_beat = 0
         self._forget_positions()
         self._answers: dict[int, SdoAnswer] = {}
-        self._forget_questions()
 
     def _checked_drives(self) -> tuple[VoltageDrive, VoltageDrive]:
         drives = [joint.drive for joint in self.file.joints]
@@ -144,7 +145,7 @@ class CanopenDevice(Device):
         bus.begin_tick = partial(bus.send, wire.SYNC)
         bus.awaited.update(wire.positions_id(node) for node in self._layout.measuring)
         for node in self._layout.nodes:
-            bus.events.update({name: [] for name in _told(node)})
+            bus.events.update({name: [] for name in told_under(node)})
         own = [wire.NMT, wire.SYNC, wire.heartbeat_id(self.heartbeat)]
         own += [wire.sdo_request_id(node) for node in self._layout.nodes]
         bus.claim([*own, *(wire.outputs_id(node) for node in self._layout.driving)])
@@ -171,9 +172,10 @@ class CanopenDevice(Device):
         bus = self._opened()
         bus.collect(self)
         self._take_answers(bus)
-        trouble = self._trouble(bus)
-        if trouble is not None and self._running and self.state is not State.FAULT:
-            raise trouble
+        events = self._nodes.take(bus)
+        self._count_expired(events)
+        if self._running and self.state is not State.FAULT:
+            self._raise(events)
         raw = self._positions(bus)
         if raw is None:
             return None
@@ -210,98 +212,56 @@ class CanopenDevice(Device):
         self._units[joint] += wire.step(self._last[joint], raw, self._ranges[joint])
         self._last[joint] = raw
 
-    def _trouble(self, bus: CanBus) -> DeviceError | None:
-        """What the nodes say of themselves, where it is anything but "operational"."""
-        lost, report = self._take_heartbeats(bus), self._take_emergencies(bus)
-        if lost is None:
-            return None if report is None else BoardError(report)
-        return lost if report is None else NodeLost(f"{report}; {lost}")
+    def _count_expired(self, events: Events) -> None:
+        """One report for the device once every node with outputs has missed our heartbeat."""
+        missed = {n for n, report in events.reports.items() if report.code == HEARTBEAT_MISSING}
+        if missed - self._expired:
+            self._expired |= missed
+            self.watchdog_reports += self._expired.issuperset(self._layout.driving)
 
-    def _take_heartbeats(self, bus: CanBus) -> DeviceError | None:
-        trouble: DeviceError | None = None
-        for node in self._layout.nodes:
-            frames = _taken(bus, wire.heartbeat_id(node))
-            self._silence[node] = 0 if frames else self._silence[node] + 1
-            for data in frames:
-                self._states[node] = state = wire.state(data)
-                if state is NmtState.BOOT_UP:
-                    trouble = trouble or NodeLost(f"CANopen node {node} has started anew")
-                elif state is not NmtState.OPERATIONAL:
-                    word = state.name.lower().replace("_", "-")
-                    trouble = trouble or NodeLost(f"CANopen node {node} became {word}")
-            if self._silence[node] > self._silent_ticks:
-                trouble = trouble or NodeLost(
-                    f"the heartbeat of CANopen node {node} has been missing for "
-                    f"{self._silence[node]} ticks"
-                )
-        return trouble
+    def _raise(self, events: Events) -> None:
+        """A node that is lost un-homes the device; an emergency says what is wrong.
 
-    def _take_emergencies(self, bus: CanBus) -> str | None:
-        for node in self._layout.nodes:
-            for data in _taken(bus, wire.emergency_id(node)):
-                report = wire.emergency(data)
-                if report.code:
-                    return f"CANopen node {node} reports {report}"
-        return None
+        Nodes whose watchdog fired while it is being proved have left Operational, as they should.
+        """
+        proving = self.state is State.INACTIVE and bool(self._expired)
+        if events.lost is not None and not proving:
+            raise NodeLost(events.said)
+        if events.reports:
+            raise BoardError(events.said)
 
     def _send(self, tick: int, torque: Pair) -> Pair:
         codes = self._drives[0].encode(torque[0]), self._drives[1].encode(torque[1])
-        self._forget_questions()
+        self._zero_check.forget()
         self._put(codes)
         if self._armed:
-            if self._since_beat == 0:
-                data = wire.heartbeat(NmtState.OPERATIONAL)
-                self._opened().send(wire.heartbeat_id(self.heartbeat), data)
+            if self._since_beat == 0 or self.state is State.INACTIVE:
+                self._beat()
             self._since_beat = (self._since_beat + 1) % self._beat_ticks
         return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
+
+    def _beat(self) -> None:
+        data = wire.heartbeat(NmtState.OPERATIONAL)
+        self._opened().send(wire.heartbeat_id(self.heartbeat), data)
 
     def _put(self, codes: tuple[int, int]) -> None:
         for node in self._layout.driving:
             values = [codes[joint] for joint in self._layout.joints_driven(node)]
             self._opened().send(wire.outputs_id(node), wire.outputs(values))
 
-    # --- zero, confirmed by reading the outputs back ---------------------------------------------
-
     def _send_zero(self) -> None:
-        """Zero without a heartbeat, so that the nodes' own zero follows; then ask for the values.
-
-        A node that left Operational takes no process data, so what is not zero is written by SDO.
-        """
-        self._put((self._drives[0].zero_code, self._drives[1].zero_code))
-        self._asked_ago += 1
-        if self._asked and self._asked_ago < ANSWER_TICKS:
-            return
-        if self.state is not State.FAULT and self._asked_ago < QUIET_TICKS:
-            return
-        output, zero = self._layout.outputs[self._asking], self._drives[self._asking].zero_code
-        entry = output.value
-        request = wire.sdo_download(entry, zero) if self._stuck else wire.sdo_upload(entry)
-        self._asked, self._asked_ago = True, 0
-        self._opened().send(wire.sdo_request_id(output.node), request)
-
-    def _forget_questions(self) -> None:
-        """No answer that may still come says anything of what is commanded from now on."""
-        self._asked = self._stuck = False
-        self._asking, self._asked_ago = 0, QUIET_TICKS
+        """Zero without a heartbeat, so that the nodes' own zero follows; then ask for it back."""
+        self._put(self._zero_codes)
+        question = self._zero_check.question(urgent=self.state is State.FAULT)
+        if question is not None:
+            node, request = question
+            self._opened().send(wire.sdo_request_id(node), request)
 
     def _take_answers(self, bus: CanBus) -> None:
         for node in self._layout.nodes:
-            for data in _taken(bus, wire.sdo_answer_id(node)):
-                answer = wire.sdo_answer(data)
-                self._answers[node] = answer
-                output = self._layout.outputs[self._asking]
-                if self._asked and node == output.node and answer.is_for(output.value):
-                    self._take_output(answer)
-
-    def _take_output(self, answer: SdoAnswer) -> None:
-        self._asked = False
-        zero = self._drives[self._asking].zero_code & 0xFFFF
-        self._stuck = answer.value is not None and answer.value != zero
-        if answer.value != zero or answer.abort:
-            return
-        self._asking = 1 - self._asking
-        if self._asking == 0:
-            self.zeros_confirmed += 1
+            for data in bus.taken(wire.sdo_answer_id(node)):
+                self._answers[node] = answer = wire.sdo_answer(data)
+                self.zeros_confirmed += self._zero_check.take(node, answer)
 
     # --- life cycle ------------------------------------------------------------------------------
 
@@ -334,11 +294,18 @@ class CanopenDevice(Device):
         self._armed, self._since_beat = True, 0
 
     def _leave(self) -> None:
-        """Nobody has to watch a heartbeat that is about to end."""
-        if self._armed:
-            self._armed = False
-            for node in self._layout.driving:
-                self._write(node, Object(Index.HEARTBEAT_CONSUMER, 1, 4), 0)
+        """Nobody has to watch a heartbeat that is about to end; who missed one starts again."""
+        if not self._armed:
+            return
+        self._armed = False
+        if self._expired:
+            self._beat()
+        for node in self._layout.driving:
+            self._write(node, Object(Index.HEARTBEAT_CONSUMER, 1, 4), 0)
+        for node in self._expired:
+            self._opened().send(wire.NMT, wire.nmt(NmtCommand.START, node))
+        self._until(lambda: self._nodes.all_operational, "its nodes do not start again")
+        self._expired.clear()
 
     def _take_over(self) -> None:
         self._opened().take_over()
@@ -350,7 +317,7 @@ class CanopenDevice(Device):
             return
         for node in self._layout.nodes:
             bus.awaited.discard(wire.positions_id(node))
-            for name in _told(node):
+            for name in told_under(node):
                 bus.events.pop(name, None)
         bus.leave(self)
 
@@ -364,7 +331,7 @@ class CanopenDevice(Device):
 
     def _ask(self, node: int, entry: Object, request: bytes) -> SdoAnswer:
         """One SDO exchange by raw frames, between two ticks."""
-        self._forget_questions()
+        self._zero_check.forget()
         self._answers.pop(node, None)
         self._opened().send(wire.sdo_request_id(node), request)
 
@@ -387,20 +354,6 @@ class CanopenDevice(Device):
             self.pause()
         raise DeviceError(f"{self.name}: {otherwise}")
 
-    def _all_operational(self) -> bool:
-        return set(self._states.values()) == {NmtState.OPERATIONAL}
-
     def _opened(self) -> CanBus:
         assert self._bus is not None, "configure comes first"
         return self._bus
-
-
-def _told(node: int) -> tuple[int, int, int]:
-    """Identifiers under which a node says what must not be missed."""
-    return wire.heartbeat_id(node), wire.emergency_id(node), wire.sdo_answer_id(node)
-
-
-def _taken(bus: CanBus, identifier: int) -> list[bytes]:
-    """What came under an identifier since the last time."""
-    taken, bus.events[identifier] = bus.events[identifier], []
-    return taken

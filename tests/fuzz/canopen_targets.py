@@ -11,7 +11,7 @@ from typing import Any
 
 from hil.address import parse
 from hil.canbus import CanBus
-from hil.canopen_setup import Found
+from hil.canopen.set_up import Found
 from hil.contract import State
 from hil.device_file import parse as parse_file
 from hil.drivers import canopen as module

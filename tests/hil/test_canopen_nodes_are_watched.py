@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from hil.contract import Cause, Outcome, State
 from hil.emulators.board import Frame
-from hil.errors import DeviceFault
+from hil.errors import DeviceError, DeviceFault
+from hil.permission import emulated
 
 
 @pytest.fixture
@@ -138,6 +139,31 @@ def test_without_our_heartbeat_the_outputs_drop_by_themselves(bench: Bench):
     rig.exchange(5, (0.01, -0.01))
     assert rig.truth()["torque"] == [0.0, 0.0]
     assert "the master's heartbeat is missing" in rig.device.fault.sentence
+
+
+@pytest.mark.parametrize("name", ["canopen", "canopen (2 nodes)", "canopen (3 nodes)"])
+def test_the_watchdog_is_seen_to_fire_and_the_nodes_start_again(name, bench: Bench):
+    rig = bench.rig(name, activate=False)
+    proof = rig.device.prove_watchdog()
+    assert proof.timeout == 0.02
+    assert 0.02 <= proof.fired_after + 2 / 1024 <= 0.03, "the last exchange fed it, too"
+    assert proof.serial == "4711"
+    assert rig.truth()["largest"] == 0.0
+    assert rig.device.state is State.INACTIVE
+    rig.exchange(60)
+    rig.device.activate()
+    rig.exchange(500, (0.008, -0.008))
+    assert rig.device.state is State.ACTIVE, rig.device.fault_sentence()
+    assert rig.truth()["torque"] != [0.0, 0.0]
+
+
+def test_a_node_that_never_fires_proves_nothing(wire):
+    device = wire.device("1,2,3")
+    device.configure()
+    wire.node(3).listen = lambda now: None
+    device.permission = emulated("x", None)
+    with pytest.raises(DeviceError, match="did not fire"):
+        device.prove_watchdog()
 
 
 def test_a_node_that_holds_on_an_error_would_have_held(wire):

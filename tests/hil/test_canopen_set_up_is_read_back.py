@@ -8,7 +8,7 @@ import pytest
 from canopen_bench import REST, Wire, run
 
 from cosim.errors import InputError
-from hil.canopen_layout import layout
+from hil.canopen.layout import layout
 from hil.contract import State
 from hil.errors import DeviceError
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hil.canbus import CanBus
-from hil.canopen_layout import Encoder, Layout, Output
+from hil.canopen.layout import Encoder, Layout, Output
 from hil.errors import DeviceError
 from hil.protocols import canopen as wire
 from hil.protocols.canopen import Index, NmtCommand, Object
