@@ -1,8 +1,15 @@
-"""Two stations in two network namespaces joined by a veth pair, against the simulated channel.
+"""Two stations in real time, in two network namespaces joined by a veth pair, and what is expected.
 
-Needs root and iproute2: uv run python bench/link_namespaces.py --duration 60
-Prints deadlines, counters, and how far the copies of the box drift apart, beside what
-``cohaptic run`` predicts for one network sample each way.
+    uv run python bench/link_namespaces.py --duration 60        (root and iproute2)
+    uv run python bench/link_namespaces.py --loopback           (two processes on 127.0.0.1)
+
+Runs the stations with cyclictest beside them; merges their records; simulates the same scenario
+with every packet delayed as it was; and runs the same load without a network. Prints
+
+- every deadline that was lost, by cause: the machine's (woken late, interrupted) or our own work's,
+  and then whether the link's part was the longest;
+- packets that came too late, by cause: kept by the network, or sent late by a station held up;
+- how far the copies of the box are from what the simulated channel predicts.
 """
 
 from __future__ import annotations
@@ -14,88 +21,220 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from host import Host, compare, verdict
+
+from cosim.record import open_run
 
 COHAPTIC = [sys.executable, "-c", "from cosim.cli import main; main()"]
-ADDRESSES = {"station_a": "10.77.0.1", "station_b": "10.77.0.2"}
+STATIONS = ("station_a", "station_b")
+ADDRESSES = {"station_a": "10.77.0.1:47000", "station_b": "10.77.0.2:47000"}
+LOOPBACK = {"station_a": "127.0.0.1:47810", "station_b": "127.0.0.1:47811"}
+BOUND = 1e-9
+"""Agreement of the copies with the prediction (m, rad) while no peer was given up."""
 
 
-def run(*words: str) -> None:
-    subprocess.run(words, check=True)
+def run(*words: str, **more: Any) -> None:
+    subprocess.run(words, check=True, **more)
 
 
 def namespaces(prefix: str) -> dict[str, str]:
-    names = {station: f"{prefix}{station[-1]}" for station in ADDRESSES}
+    names = {station: f"{prefix}{station[-1]}" for station in STATIONS}
     for name in names.values():
         run("ip", "netns", "add", name)
     a, b = names.values()
     run("ip", "link", "add", f"{a}v", "type", "veth", "peer", "name", f"{b}v")
     for station, name in names.items():
+        host = ADDRESSES[station].partition(":")[0]
         run("ip", "link", "set", f"{name}v", "netns", name)
-        run("ip", "-n", name, "addr", "add", f"{ADDRESSES[station]}/24", "dev", f"{name}v")
+        run("ip", "-n", name, "addr", "add", f"{host}/24", "dev", f"{name}v")
         run("ip", "-n", name, "link", "set", f"{name}v", "up")
     return names
 
 
-def report(folder: Path) -> dict:
-    manifest = json.loads((folder / "manifest.json").read_text())
-    summary = json.loads((folder / "summary.json").read_text())
-    return {"deadlines": manifest["deadlines"], "link": manifest["link"], "summary": summary}
+def run_stations(root: Path, options: argparse.Namespace, names: dict[str, str]) -> None:
+    addresses = ADDRESSES if names else LOOPBACK
+    processes = []
+    for station in STATIONS:
+        other = next(s for s in STATIONS if s != station)
+        inside = ["ip", "netns", "exec", names[station]] if names else []
+        command = [
+            *(*inside, *COHAPTIC, "station", options.scenario, "--as", station),
+            *("--listen", addresses[station], "--peer", addresses[other]),
+            *("--key", str(root / "key"), "--duration", str(options.duration)),
+            *("--wait", "120", "--no-figure", "--out", str(root / station), "--json"),
+        ]
+        with (root / f"{station}.txt").open("w") as said:
+            processes.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=said))
+    codes = [process.wait() for process in processes]
+    if codes != [0, 0]:
+        said = "".join((root / f"{s}.txt").read_text() for s in STATIONS)
+        sys.exit(f"the stations ended with {codes}:\n{said}")
+
+
+def run_control(root: Path, options: argparse.Namespace) -> list[dict[str, Any]]:
+    """The same two loops, each with both stations' models and no link."""
+    folders = [root / f"control-{number}" for number in range(2)]
+    command = [
+        *(*COHAPTIC, "run", options.scenario, "--realtime", "--duration", str(options.duration)),
+        *("--set", "expect=~", "--no-figure", "--json", "--out"),
+    ]
+    processes = [
+        subprocess.Popen([*command, str(folder)], stdout=subprocess.DEVNULL) for folder in folders
+    ]
+    for process in processes:
+        process.wait()
+    return [manifest(folder)["deadlines"] for folder in folders]
+
+
+def manifest(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "manifest.json").read_text())
+
+
+def tell_deadlines(name: str, found: dict[str, Any]) -> None:
+    causes = ", ".join(
+        f"{cause} {each['misses']} ({each['seconds'] * 1e3:.1f} ms)"
+        for cause, each in found["causes"].items()
+    )
+    machine = found.get("machine", {})
+    print(f"{name}: {found['misses']} of {found['ticks']} deadlines lost: {causes}")
+    print(
+        f"  longest part of own work {found['longest_part'] or '-'}; caught up in "
+        f"{found['caught_up']} ticks, farthest behind {found['farthest_behind'] * 1e3:.1f} ms, "
+        f"slipped {found['slipped_periods']}, worst {found['worst'] * 1e3:.1f} ms"
+    )
+    work = {part: f"{each['mean'] * 1e6:.0f}" for part, each in found["work"].items()}
+    print(f"  us a tick {work}; processor {machine.get('processor', 0) / found['ticks'] * 1e6:.0f}")
+    print(
+        f"  waited for a processor {machine.get('waited', 0) * 1e3:.1f} ms, page faults "
+        f"{machine.get('page_faults', 0):.0f}, stolen {machine.get('stolen', 0):.2f} s"
+    )
+
+
+def tell_link(name: str, link: dict[str, Any]) -> dict[str, int]:
+    totals = {"overdue": 0, "overdue_by_network": 0, "losses": 0}
+    for peer in link["peers"].values():
+        for stream in peer["streams"].values():
+            for total in totals:
+                totals[total] += stream[total]
+        told = {
+            channel: {fate: n for fate, n in stream.items() if n}
+            for channel, stream in peer["streams"].items()
+        }
+        print(f"{name}: sent {peer['sent']}, round trip {peer['round_trip'] or 0} ns, {told}")
+    return totals
+
+
+def agreement(merged: Path, predicted: Path) -> tuple[float, float, int]:
+    """Largest difference of the box's poses while both peers counted in full, and after a loss."""
+    with open_run(merged) as real, open_run(predicted) as expected:
+        weights = [n for g in real.groups.values() for n in g.signals if n.endswith(".weight")]
+        reduced = np.max([np.asarray(real[n].values) < 1.0 for n in weights], axis=0)
+        # The weights rise to one with the first packet; what counts is a peer given up later.
+        begun = int(np.argmin(reduced))
+        given_up = np.flatnonzero(reduced[begun:])
+        until = begun + int(given_up[0]) if len(given_up) else len(reduced)
+        worst, after = 0.0, 0.0
+        for name in (n for g in expected.groups.values() for n in g.signals if "box_pose" in n):
+            apart = np.abs(np.asarray(real[name].values) - np.asarray(expected[name].values))
+            worst = max(worst, float(apart[:until].max()))
+            after = max(after, float(apart.max()))
+        return worst, after, len(reduced) - until
+
+
+def drift(folder: Path) -> float:
+    found = subprocess.run(
+        [*COHAPTIC, "record", "summary", str(folder), "--json"],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return float(json.loads(found.stdout)["measures"]["drift"])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=60.0)
     parser.add_argument("--scenario", default="two_users_box")
-    arguments = parser.parse_args()
-    if os.geteuid() != 0:
-        sys.exit("network namespaces need root")
-    prefix = f"coh{os.getpid() % 10000}"
-    names = namespaces(prefix)
+    parser.add_argument("--loopback", action="store_true")
+    parser.add_argument("--no-control", action="store_true")
+    options = parser.parse_args()
+    if not options.loopback and os.geteuid() != 0:
+        sys.exit("network namespaces need root; --loopback does without")
+    names = {} if options.loopback else namespaces(f"coh{os.getpid() % 10000}")
     with tempfile.TemporaryDirectory() as scratch:
         root = Path(scratch)
         try:
-            run(*COHAPTIC, "keygen", str(root / "key"))
-            stations = []
-            for station, name in names.items():
-                other = next(s for s in ADDRESSES if s != station)
-                stations.append(
-                    subprocess.Popen(
-                        [
-                            *(
-                                "ip",
-                                "netns",
-                                "exec",
-                                name,
-                                *COHAPTIC,
-                                "station",
-                                arguments.scenario,
-                            ),
-                            *("--as", station, "--listen", f"{ADDRESSES[station]}:47000"),
-                            *("--peer", f"{ADDRESSES[other]}:47000", "--key", str(root / "key")),
-                            *("--duration", str(arguments.duration), "--wait", "60", "--no-figure"),
-                            *("--out", str(root / station), "--json"),
-                        ],
-                        stdout=subprocess.DEVNULL,
-                    )
-                )
-            codes = [station.wait() for station in stations]
+            run(*COHAPTIC, "keygen", str(root / "key"), stdout=subprocess.DEVNULL)
+            host = Host(options.duration, threads=2)
+            run_stations(root, options, names)
+            seen = host.close()
         finally:
             for name in names.values():
                 run("ip", "netns", "del", name)
-        print("exit statuses:", codes)
-        for station in ADDRESSES:
-            found = report(root / station)
-            lateness = {k: v for k, v in found["deadlines"].items() if k != "histogram"}
-            print(station, "deadlines:", lateness)
-            print(station, "link:", json.dumps(found["link"]["peers"]))
-        run(*COHAPTIC, "merge", *(str(root / s) for s in ADDRESSES), "--out", str(root / "merged"))
-        print("\nThe simulated channel, one sample each way:")
-        run(
-            *(*COHAPTIC, "run", arguments.scenario, "--duration", str(arguments.duration)),
-            *("--set", "channels.lan.each_way_delay=1"),
-            *("--set", "channels.lan.round_trip_delay=null"),
-            *("--no-figure", "--out", str(root / "simulated")),
+        print(f"stations beside cyclictest: {verdict(seen)}; cyclictest in us: {seen}")
+        in_link, lost, totals = 0, 0, {}
+        expected = seen.get("misses", 0.0)
+        for station in STATIONS:
+            facts = manifest(root / station)
+            tell_deadlines(station, facts["deadlines"])
+            compare(station, facts["deadlines"], seen)
+            for total, count in tell_link(station, facts["link"]).items():
+                totals[total] = totals.get(total, 0) + count
+            lost += facts["deadlines"]["misses"]
+            in_link += sum(
+                count
+                for part, count in facts["deadlines"]["longest_part"].items()
+                if part.startswith("link_")
+            )
+        if not options.no_control:
+            host = Host(options.duration, threads=2)
+            control = run_control(root, options)
+            seen = host.close()
+            print(f"\nthe same loops without a network: {verdict(seen)}; cyclictest: {seen}")
+            for number, found in enumerate(control):
+                tell_deadlines(f"control {number}", found)
+                compare(f"control {number}", found, seen)
+            without = sum(c["misses"] for c in control)
+            expected = max(expected, without)
+            print(f"deadlines lost with the network {lost}, without {without}")
+        folders = [str(root / s) for s in STATIONS]
+        quiet = {"stdout": subprocess.DEVNULL}
+        run(*COHAPTIC, "merge", *folders, "--out", str(root / "merged"), **quiet)
+        measured = root / "merged" / "measured.yaml"
+        if not measured.exists():
+            sys.exit("a station joined late: there is no prediction from the first tick")
+        subprocess.run(
+            [
+                *(*COHAPTIC, "run", str(root / "merged" / "scenario.resolved.yaml")),
+                *("--with", str(measured), "--set", f"duration={options.duration}"),
+                *("--no-figure", "--out", str(root / "predicted")),
+            ],
+            check=False,
+            **quiet,
         )
+        worst, after, ticks = agreement(root / "merged", root / "predicted")
+        print(
+            f"\nthe copies' drift {drift(root / 'merged') * 1e3:.4f} mm, predicted for the "
+            f"measured delays {drift(root / 'predicted') * 1e3:.4f} mm"
+        )
+        print(f"largest difference from the prediction {worst:.3g} (bound {BOUND:g})")
+        if ticks:
+            print(f"a peer was given up: in the {ticks} ticks from then on {after:.3g}")
+        # Counts of rare events: two standard deviations of their difference are no difference.
+        excess = lost - expected
+        by_network = excess > 2 * np.sqrt(lost + expected)
+        print(
+            f"deadlines lost {lost}, by this machine without a network {expected:.0f}: "
+            f"{'more' if by_network else 'no more'} than chance allows ({in_link} while the loop "
+            f"was busy with its link); packets late on their way {totals['overdue_by_network']}, "
+            f"sent late {totals['overdue'] - totals['overdue_by_network']}"
+        )
+        good = not by_network and not totals["overdue_by_network"] and worst <= BOUND
+        print("the claim holds" if good else "THE CLAIM DOES NOT HOLD")
+        sys.exit(0 if good else 1)
 
 
 if __name__ == "__main__":

@@ -21,8 +21,11 @@ def command(runs: tuple[Path, ...], out: Path | None, *, as_json: bool) -> None:
 
     merged = merge_runs(runs, out)
     if as_json:
-        click.echo(json.dumps({**asdict(merged), "folder": str(merged.folder)}))
+        click.echo(json.dumps(asdict(merged), default=str))
         return
     with open_run(merged.folder) as run:
         click.echo(summarise(run).text())
     click.echo(f"{merged.signals} signals, session ticks from {merged.first_tick} on")
+    if merged.measured is not None:
+        scenario = merged.folder / "scenario.resolved.yaml"
+        click.echo(f"with these delays simulated: cohaptic run {scenario} --with {merged.measured}")

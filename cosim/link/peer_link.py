@@ -41,6 +41,9 @@ class Incoming:
     source_age: int = 0
     active: bool = True
     source_tick: float = -1.0
+    overdue_by_network: int = 0
+    """Packets that missed their sample because of the time on the way; the others were sent late,
+    by a station that had been held up."""
     source_changed: int = 0
     """Session tick of the packet in which the source's own tick last changed."""
 
@@ -173,9 +176,12 @@ class PeerLink:
         if kind == Kind.DATA:
             stream = datagram[4] | datagram[5] << 8
             if stream < len(self.incoming):
-                receiver = self.incoming[stream].receiver
+                item = self.incoming[stream]
+                receiver, overdue = item.receiver, item.receiver.overdue
                 if receiver.accept(datagram, tick) in _TELLING:
-                    self._learn(receiver)
+                    arrived = self._learn(receiver)
+                    if receiver.overdue != overdue:
+                        self._blame(item, arrived)
                 return
         elif Kind.HELLO <= kind <= Kind.SYNC:
             self._forward(datagram, self.transport.arrival())
@@ -185,8 +191,15 @@ class PeerLink:
             return
         self.foreign += 1
 
-    def _learn(self, receiver: Receiver) -> None:
-        """Take what an authentic packet says about the peer's clock and grid."""
+    def _blame(self, item: Incoming, arrived: int) -> None:
+        """Of a packet that missed its sample, find out whether it was the way that took so long."""
+        bundle, delay = item.receiver.bundle, item.receiver.settings.delay
+        on_its_way = arrived + self.clock.offset(arrived) - item.receiver.last_times[0]
+        if self.clock.ready and on_its_way > delay * bundle.period * bundle.tick * 1_000_000_000:
+            item.overdue_by_network += 1
+
+    def _learn(self, receiver: Receiver) -> int:
+        """Take what an authentic packet says about the peer's clock and grid; when it arrived."""
         arrived = self.transport.arrival()
         sent, echo_sent, echo_received = receiver.last_times
         self._echo = (sent, arrived)
@@ -194,6 +207,7 @@ class PeerLink:
             self.peer_epoch = receiver.peer_epoch
         if echo_sent:
             self.clock.add(echo_sent, echo_received, sent, arrived)
+        return arrived
 
     def release(self, tick: int) -> None:
         """Show what is due at this tick and weigh the peer."""

@@ -91,6 +91,8 @@ class Receiver:
         """Session tick at which the held values were sampled; -1 before the first."""
         self.sequence = -1
         self.released_at = -1
+        self.delay = -1
+        """Base ticks from their sample to their release."""
         """Session tick at which the held values were released."""
         self.tally = [0] * len(Fate)
         """How many datagrams met each :class:`Fate`."""
@@ -186,6 +188,7 @@ class Receiver:
         self.sequence = sequences[best]
         self.tick = self._slot_tick[best]
         self.released_at = now
+        self.delay = now - self.tick
         np.copyto(self.values, self._slots[best])
         done = [slot for slot in self._waiting if sequences[slot] <= self.sequence]
         self.tally[Fate.SUPERSEDED] += len(done) - 1

@@ -52,6 +52,7 @@ class _Shown:
     age: Cells
     state: Cells
     sequence: Cells
+    delay: Cells
 
     def show_values(self) -> None:
         """Copy the packet's elements; one by one, because each may lie somewhere else."""
@@ -65,7 +66,8 @@ class RemoteStation(Component):
 
     Outputs: every incoming field by name; for each incoming channel ``<channel>.weight`` (0..1),
     ``.valid``, ``.age`` (base ticks), ``.state`` (:class:`~cosim.link.peer.PeerState`) and
-    ``.sequence``; and ``round_trip``, ``clock_offset``, ``phase`` (s), ``clock_skew``.
+    ``.sequence``, ``.delay`` (base ticks from sample to release); and ``round_trip``,
+    ``clock_offset``, ``phase`` (s), ``clock_skew``.
     Inputs: every outgoing field by name.
     """
 
@@ -168,6 +170,7 @@ class RemoteStation(Component):
         shown.age[0] = item.age
         shown.state[0] = item.weight.state
         shown.sequence[0] = item.receiver.sequence
+        shown.delay[0] = item.receiver.delay
 
     def _phase(self) -> float:
         """By how much the own ticks come later than the peer's (ns)."""
@@ -202,7 +205,7 @@ class RemoteStation(Component):
         self._facts["phase"][0] = phase
 
 
-_STREAM_FACTS = ("weight", "valid", "age", "state", "sequence")
+_STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay")
 _LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
 
 

@@ -17,6 +17,7 @@ from cosim.record.folder import new_folder
 from cosim.record.manifest import write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, Signal, open_run
 from cosim.record.writer import Recorder
+from cosim.station.measured import write_traces
 
 FULL_SCENARIO_FILE = "scenario.full.yaml"
 """Beside a station's record: the scenario of all stations, which the merged run is one of."""
@@ -31,6 +32,8 @@ class Merged:
     first_tick: int
     ticks: int
     signals: int
+    measured: Path | None
+    """An overlay that has the simulated channel treat every packet as this session did."""
 
 
 def merge_runs(folders: tuple[Path, ...], out: Path | None = None) -> Merged:
@@ -93,7 +96,10 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
         },
     }
     write_manifest(folder, manifest)
-    return Merged(folder, first, end - first, sum(len(group.columns) for group in groups))
+    known = dict(zip(stations, runs, strict=True))
+    measured = write_traces(folder, folder / SCENARIO_FILE, known) if full.exists() else None
+    signals = sum(len(group.columns) for group in groups)
+    return Merged(folder, first, end - first, signals, measured)
 
 
 _Part = tuple[Run, Signal, Column]

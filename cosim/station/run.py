@@ -235,6 +235,7 @@ def _facts(
                 item.receiver.bundle.channel: {
                     **{fate.name.lower(): int(item.receiver.counts[fate]) for fate in Fate},
                     "overdue": item.receiver.overdue,
+                    "overdue_by_network": item.overdue_by_network,
                     "losses": item.weight.losses,
                 }
                 for item in link.incoming

@@ -266,7 +266,7 @@ class _Splitter:
             facts = [
                 f"{bundle.channel}.{fact}"
                 for bundle in peer.receives
-                for fact in ("weight", "valid", "age", "state", "sequence")
+                for fact in ("weight", "valid", "age", "state", "sequence", "delay")
             ]
             for fact in [*facts, "round_trip", "clock_offset", "clock_skew", "phase"]:
                 yield Record(pattern=f"{peer.component}.{fact}")
