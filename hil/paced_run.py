@@ -14,7 +14,7 @@ import select
 import signal
 import time
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, Protocol
 
@@ -87,6 +87,8 @@ class PacedRun:
     report: LoopReport | None = None
     ending: Ending | None = None
     _sentences: list[str] = field(default_factory=list[str])
+    _reached: int = 0
+    """Ticks whose rows have come."""
 
     def __call__(self, simulation: Any, recorder: Any, progress: Any) -> None:
         """Run to the scenario's end.
@@ -149,9 +151,9 @@ class PacedRun:
             for message in whole:
                 pump = self._take(message, work, recorder) or pump
             if pump is not None:
-                tick = pump.pump()
+                self._reached = min(pump.pump(), work.simulation.scenario.ticks)
                 if progress is not None:
-                    progress(min(tick, work.simulation.scenario.ticks), time.perf_counter() - began)
+                    progress(self._reached, time.perf_counter() - began)
 
     def _take(self, message: Any, work: _Work, recorder: Any) -> RelayPump | None:
         if message == "begun":
@@ -172,6 +174,8 @@ class PacedRun:
     def _conclude(self, simulation: Any) -> None:
         if self.report is not None and self.report.outcome is not None:
             simulation.outcome = self.report.outcome
+        else:
+            simulation.outcome = replace(simulation.outcome, ticks=self._reached)
         error = self.report.error if self.report is not None else None
         if error is not None:
             text = ". ".join([error[1], *self._sentences])

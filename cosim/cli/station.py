@@ -119,6 +119,8 @@ def command(
         click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
     else:
         click.echo(finished.summary.text())
+        if finished.summary.content["message"]:
+            say(finished.summary.content["message"])
     sys.exit(finished.summary.status)
 
 
