@@ -107,6 +107,33 @@ def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
         own = b["vr_b.box_pose.x"].values[first:]
         assert np.array_equal(both["vr_b.box_pose.x"].values, own[: facts["ticks"]])
         assert "vr_a.box_pose.x" in both
+    check_prediction(tmp_path, Path(facts["measured"]))
+
+
+def check_prediction(out: Path, measured: Path) -> None:
+    """With every packet treated as it was here, a simulation gives the very bits of both sides."""
+    scenario = out / "merged" / "scenario.resolved.yaml"
+    command = [*COMMAND, "run", str(scenario), "--with", str(measured), "--set", "expect=~"]
+    subprocess.run(
+        [*command, "--no-figure", "--out", str(out / "predicted")], check=True, capture_output=True
+    )
+    with open_run(out / "merged") as real, open_run(out / "predicted") as predicted:
+        weights = np.array(
+            [real[f"link_{name}.lan.weight"].values for name in ("station_a", "station_b")]
+        )
+        full = weights.min(axis=0) == 1.0
+        # From the first packets to where a peer was given up, if one was.
+        first = int(np.argmax(full))
+        end = first + int(np.argmin([*full[first:], False]))
+        assert 0 < first < end
+        for group in predicted.groups.values():
+            for signal in group.signals:
+                if signal.startswith(("vr_", "finger_")):
+                    assert np.array_equal(
+                        np.asarray(real[signal].values)[first:end],
+                        np.asarray(predicted[signal].values)[first:end],
+                        equal_nan=True,
+                    ), signal
 
 
 def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp_path) -> None:
