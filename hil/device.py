@@ -30,6 +30,9 @@ class Device(WatchdogProving):
     """Base of every driver: derive from it and fill in the hooks of ``hil.driver.Driver``."""
 
     stop_requested: bool = False
+    sent: Pair = ZERO
+    """The torque of the last write (N.m), for whoever watches."""
+    sent_flags: Flag = Flag.NONE
     _reads: int = 0
 
     @classmethod
@@ -67,6 +70,12 @@ class Device(WatchdogProving):
     @final
     def write(self, tick: int, command: Pair) -> Sent:
         """Send what the safety layer leaves of a torque command (N.m). Never raises on the wire."""
+        sent = self._write_limited(tick, command)
+        self.sent, self.sent_flags = sent.torque, sent.flags
+        return sent
+
+    @final
+    def _write_limited(self, tick: int, command: Pair) -> Sent:
         self._expect("write", State.INACTIVE, State.ACTIVE, State.FAULT)
         if self.state is State.ACTIVE:
             self._check_time()
@@ -92,6 +101,16 @@ class Device(WatchdogProving):
         if torque is None:
             return Sent(torque=ZERO, limited=decision.torque, flags=flags | Flag.NOT_SENT)
         return Sent(torque=torque, limited=decision.torque, flags=flags)
+
+    @property
+    def age(self) -> int:
+        """Ticks since the last new valid sample."""
+        return self._age
+
+    @property
+    def shown_angle(self) -> Pair:
+        """The newest joint angles (rad), nan before the first sample."""
+        return self._joint_angle()
 
     @property
     def status(self) -> Status:

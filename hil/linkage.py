@@ -8,7 +8,7 @@ Plain floats, because this runs every tick beside a device's exchange.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, atan2, cos, hypot, pi, sin, sqrt
+from math import acos, atan2, cos, hypot, nan, pi, sin, sqrt
 
 Pair = tuple[float, float]
 
@@ -60,6 +60,28 @@ class Linkage:
                 return None
             found.append((atan2(y, x) + side * acos(cosine)) % (2 * pi))
         return found[0], found[1]
+
+    def tip_force(self, angle: Pair, torque: Pair) -> Pair:
+        """Force at the tip (N) that joint torques (N.m) give: torque = J^T force.
+
+        The Jacobian is taken by differences; (nan, nan) where the linkage has none.
+        """
+        step = 1e-6
+        tips = (
+            self.tip((angle[0] + step, angle[1])),
+            self.tip((angle[0] - step, angle[1])),
+            self.tip((angle[0], angle[1] + step)),
+            self.tip((angle[0], angle[1] - step)),
+        )
+        ahead_1, back_1, ahead_2, back_2 = tips
+        if ahead_1 is None or back_1 is None or ahead_2 is None or back_2 is None:
+            return nan, nan
+        a, c = ((ahead_1[i] - back_1[i]) / (2 * step) for i in (0, 1))
+        b, d = ((ahead_2[i] - back_2[i]) / (2 * step) for i in (0, 1))
+        area = a * d - b * c
+        if area == 0.0:
+            return nan, nan
+        return (d * torque[0] - c * torque[1]) / area, (a * torque[1] - b * torque[0]) / area
 
     def dexterity(self, angle: Pair, tip: Pair) -> float:
         """How far from a singular position: the least of three sines, 0 (singular) to 1.

@@ -23,6 +23,7 @@ from hil import session as sessions
 from hil.component import DeviceComponent
 from hil.contract import ZERO
 from hil.device import Device
+from hil.live import STATUS_TICKS, Feed, StatusWriter
 from hil.pulse import FINISHED, RUNNING, Pulse
 from hil.realtime import Grant, prepare_loop
 from hil.relay import RelayPump, RelaySink, make_rings
@@ -50,6 +51,11 @@ class LoopPacer(Protocol):
 
     def wait(self, tick: int) -> None:
         """Return when ``tick`` may run."""
+        ...
+
+    @property
+    def deadlines(self) -> Any:
+        """Lateness counted so far."""
         ...
 
     def summary(self) -> dict[str, Any]:
@@ -84,6 +90,8 @@ class PacedRun:
     cpu: int | None = None
     real_time: bool = True
     say: Callable[[str], None] = print
+    console: Callable[[Feed], None] | None = None
+    """Called some fifty times a second in the recording process, to show how things stand."""
     report: LoopReport | None = None
     ending: Ending | None = None
     _sentences: list[str] = field(default_factory=list[str])
@@ -101,17 +109,19 @@ class PacedRun:
             raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
         rate: Fraction = simulation.scenario.base_rate
         rings = make_rings(simulation.groups, rate)
+        feed = _feed(simulation, float(rate), rings)
         said, tell = os.pipe()
         try:
             supervisor = os.fork()
             if supervisor == 0:
                 os.close(said)
-                _supervisor_process(self, _Work(simulation, rings, rate, tell))
+                _supervisor_process(self, _Work(simulation, rings, rate, tell, feed))
             os.close(tell)
             with _ending_with_the_loop(supervisor):
-                self._record(_Work(simulation, rings, rate, said), recorder, progress)
+                self._record(_Work(simulation, rings, rate, said, feed), recorder, progress)
         finally:
             os.close(said)
+            feed.remove()
             for ring in rings:
                 ring.remove()
         self._conclude(simulation)
@@ -150,6 +160,8 @@ class PacedRun:
             *whole, messages = _split(messages)
             for message in whole:
                 pump = self._take(message, work, recorder) or pump
+            if self.console is not None:
+                self.console(work.feed)
             if pump is not None:
                 self._reached = min(pump.pump(), work.simulation.scenario.ticks)
                 if progress is not None:
@@ -159,6 +171,7 @@ class PacedRun:
         if message == "begun":
             groups = work.simulation.groups
             recorder.begin(groups, work.rate)
+            work.feed.publish(groups, getattr(recorder, "folder", None))
             return RelayPump(work.rings, groups, recorder)
         if isinstance(message, Grant):
             if not message.granted:
@@ -192,6 +205,7 @@ class _Work:
     rings: list[Ring]
     rate: Fraction
     pipe: int
+    feed: Feed
 
 
 def _supervisor_process(run: PacedRun, work: _Work) -> None:
@@ -242,7 +256,12 @@ def _loop(run: PacedRun, work: _Work, pulse: Pulse) -> int:
     # A reader that is gone shows as an error, not as a death.
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     report = LoopReport()
-    pacer = _Watched(run, report, pulse, lambda message: _say(work.pipe, message))
+    told = StatusWriter(
+        work.feed.status,
+        [run.session.ready[name] for name in work.feed.devices],
+        run.pacer.deadlines,
+    )
+    pacer = _Watched(run, report, pulse, lambda message: _say(work.pipe, message), told)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, pacer.note)
     status = 0
@@ -254,6 +273,7 @@ def _loop(run: PacedRun, work: _Work, pulse: Pulse) -> int:
         report.outcome = work.simulation.outcome
     finally:
         pulse.state(FINISHED)
+        told.write(pacer.tick)
     report.deadlines = {**run.pacer.summary(), **pacer.usage.summary()}
     report.facts = run.facts() if run.facts is not None else None
     _say(work.pipe, report)
@@ -268,12 +288,19 @@ class _Watched:
     """
 
     def __init__(
-        self, run: PacedRun, report: LoopReport, pulse: Pulse, tell: Callable[[Any], None]
+        self,
+        run: PacedRun,
+        report: LoopReport,
+        pulse: Pulse,
+        tell: Callable[[Any], None],
+        status: StatusWriter,
     ) -> None:
         assert run.pacer is not None
         self._run, self._report, self._tell = run, report, tell
         self._pulse, self._beat, self._wait = pulse, pulse.beat, run.pacer.wait
+        self._status = status
         self._stop = False
+        self.tick = 0
         self.work = run.pacer.work
         self.usage = Usage()
 
@@ -300,6 +327,19 @@ class _Watched:
             raise KeyboardInterrupt
         self._wait(tick)
         self._beat()
+        self.tick = tick
+        if tick % STATUS_TICKS == 0:
+            self._status.write(tick)
+
+
+def _feed(simulation: Any, rate: float, rings: list[Ring]) -> Feed:
+    """What others may watch of a run."""
+    devices = {
+        name: participant.component.file.linkage
+        for name, participant in simulation.assembly.participants.items()
+        if isinstance(participant.component, DeviceComponent)
+    }
+    return Feed(simulation.scenario.name, rate, devices, rings)
 
 
 @contextlib.contextmanager

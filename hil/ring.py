@@ -25,12 +25,13 @@ _MAGIC = 0x636F68617074
 class Ring:
     """``capacity`` records of ``cells`` doubles each; the writer creates, readers attach."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, read_only: bool = False) -> None:
         self.path = path
-        with path.open("r+b") as file:
+        with path.open("rb" if read_only else "r+b") as file:
             if path.stat().st_size < 8 * _HEAD_CELLS:
                 raise FileNotFoundError(f"{path} is no ring of ours")
-            self._memory = mmap.mmap(file.fileno(), 0)
+            access = mmap.ACCESS_READ if read_only else mmap.ACCESS_WRITE
+            self._memory = mmap.mmap(file.fileno(), 0, access=access)
         head = np.frombuffer(self._memory, np.int64, _HEAD_CELLS)
         self.capacity, self.cells = int(head[2]), int(head[3])
         size = 8 * (_HEAD_CELLS + self.capacity * (self.cells + 2))
@@ -85,6 +86,18 @@ class Ring:
         memory[first] = number
         memory[1] = number + 1
 
+    def newest(self, tries: int = 100) -> NDArray[np.float64] | None:
+        """The last whole record, shape (cells,); ``None`` before the first one."""
+        for _ in range(tries):
+            number = self.written - 1
+            if number < 0:
+                return None
+            place = number % self.capacity
+            cells = self.values[place].copy()
+            if int(self.before[place]) == number == int(self.after[place]):
+                return cells
+        return None
+
     def close(self) -> None:
         """Let go of the mapping."""
         self._cells.release()
@@ -120,3 +133,7 @@ class Reader:
         self.lost += (end - self._next) - int(whole.sum())
         self._next = end
         return values[whole]
+
+    def close(self) -> None:
+        """Let go of the ring."""
+        self._ring.close()

@@ -17,6 +17,7 @@ COMMANDS = {
     "device": "Real devices: find, check, home, calibrate, emulate.",
     "fmu": "List, inspect and export FMUs.",
     "keygen": "Make a pre-shared key for a link between workstations.",
+    "live": "Watch a paced run from another terminal.",
     "merge": "Align the records of the stations of one session.",
     "netchar": "Measure the network between two machines: delay, jitter, loss, rate.",
     "record": "Look into a run folder: digest, summary, export.",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from cosim.cli.console import Console, ended
 from cosim.cli.devices import dead_man_option
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def command(
     paced = _devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime
     )
+    console = Console() if sys.stderr.isatty() and paced is not None else None
     if paced is not None:
         from cosim.master.pacing import DeadlinePacer
         from hil.realtime import clock_nanosleep
@@ -97,7 +99,8 @@ def command(
         tick = 1 / loaded.base_rate
         paced.cpu = cpu
         paced.pacer = DeadlinePacer(tick_seconds=tick, policy=policy, sleep=clock_nanosleep())
-    with _progress(loaded) as progress:
+        paced.console = console
+    with _progress(loaded) if paced is None else ended(console) as progress:
         finished = run_scenario(
             loaded,
             out,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from cosim.cli.console import Console, ended
 from cosim.cli.devices import dead_man_option
 
 if TYPE_CHECKING:
@@ -104,16 +105,18 @@ def command(
         sets = (*sets, f"duration={duration}")
     loaded = load(scenario, overlays, sets)
     session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
+    console = Console() if sys.stderr.isatty() else None
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
         key_file=key,
-        execute=PacedRun(session, cpu=cpu, real_time=realtime, say=say),
+        execute=PacedRun(session, cpu=cpu, real_time=realtime, say=say, console=console),
         policy=policy,
         patience=wait,
         sleep=clock_nanosleep(),
     )
-    finished = run_station(loaded, own, arrangement, say=say, out=out, figure=figure)
+    with ended(console):
+        finished = run_station(loaded, own, arrangement, say=say, out=out, figure=figure)
     if as_json:
         click.echo(json.dumps(finished.summary.content))
         click.echo(finished.summary.content["message"] or str(finished.folder), err=True)

@@ -18,6 +18,7 @@ from typing import Any
 from cosim.link.door import Door
 from cosim.link.peer import PeerState
 from cosim.link.remote import Grid, RemoteStation
+from cosim.master.deadlines import Deadlines
 from cosim.master.pacing import DeadlinePacer, Work
 
 CATCH_UP = 0.4
@@ -55,6 +56,11 @@ class StationPacer:
     def work(self) -> Work | None:
         """Where the loop notes how long the parts of a tick took."""
         return self.pace.work
+
+    @property
+    def deadlines(self) -> Deadlines:
+        """Lateness counted so far."""
+        return self.pace.deadlines
 
     def start(self, tick: int) -> None:
         """Wait for the others, then exchange the values before the start until it is due.

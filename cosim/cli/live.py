@@ -1,0 +1,124 @@
+"""``cohaptic live``: watch a paced run from another process, without touching it."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections import deque
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cosim.errors import InputError
+
+if TYPE_CHECKING:
+    from hil.live import Watcher
+
+USUAL = ("*.normal_force", "*.box_pose.x", "*.box_pose.y", "*.position*", "*.joint_angle*")
+MOST = 4
+"""Signals that are drawn where nobody says which."""
+DRAW_SECONDS = 0.1
+COLUMNS = 60
+
+
+@click.command("live")
+@click.argument("run", required=False)
+@click.option("--show", "patterns", multiple=True, metavar="PATTERN", help="Signals to draw.")
+@click.option("--window", default=5.0, show_default=True, help="Seconds of them to draw.")
+@click.option("--seconds", type=float, help="How long to watch. [default: until the run ends]")
+@click.option("--json", "as_json", is_flag=True, help="Print the newest status and stop.")
+def command(
+    *,
+    run: str | None,
+    patterns: tuple[str, ...],
+    window: float,
+    seconds: float | None,
+    as_json: bool,
+) -> None:
+    """Watch RUN (its folder, its scenario's name or its process) while it goes on.
+
+    Without RUN, the newest 'cohaptic run --realtime' or 'cohaptic station' of this machine. It
+    reads shared memory: the run is not slowed down, and what comes too fast is lost and counted.
+    """
+    from hil.live import Watcher, find_feed
+
+    with Watcher(find_feed(run)) as watcher:
+        if as_json:
+            click.echo(json.dumps(_facts(watcher)))
+            return
+        names = choose(list(watcher.signals()), patterns)
+        watcher.watch(names)
+        end = None if seconds is None else time.monotonic() + seconds
+        if sys.stdout.isatty():
+            _draw(watcher, names, window, end)
+        else:
+            _tell(watcher, end)
+
+
+def choose(signals: Sequence[str], patterns: Sequence[str]) -> list[str]:
+    """The signals that the patterns name; the usual ones where there are none.
+
+    Raises:
+        InputError: a pattern matches nothing.
+    """
+    if not patterns:
+        usual = [name for p in USUAL for name in signals if fnmatchcase(name, p)]
+        return list(dict.fromkeys(usual))[:MOST]
+    from cosim.suggest import did_you_mean
+
+    found: list[str] = []
+    for pattern in patterns:
+        matching = [name for name in signals if fnmatchcase(name, pattern)]
+        if not matching:
+            hint = did_you_mean(pattern, signals)
+            raise InputError(f"the run records nothing like '{pattern}'.{hint}")
+        found += matching
+    return list(dict.fromkeys(found))
+
+
+def _facts(watcher: Watcher) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    status = watcher.status()
+    content = {name: watcher.content[name] for name in ("name", "pid", "folder")}
+    return {**content, "status": None if status is None else asdict(status)}
+
+
+def _going_on(watcher: Watcher, end: float | None) -> bool:
+    return watcher.running and (end is None or time.monotonic() < end)
+
+
+def _tell(watcher: Watcher, end: float | None) -> None:
+    """A line a second, for a log."""
+    while _going_on(watcher, end):
+        rows = max((len(values) for values in watcher.rows().values()), default=0)
+        status = watcher.status()
+        if status is not None:
+            click.echo(f"{status.line()} | {rows} rows read, {watcher.lost} lost")
+        time.sleep(1.0 if end is None else min(1.0, max(0.0, end - time.monotonic())))
+
+
+def _draw(watcher: Watcher, names: list[str], window: float, end: float | None) -> None:
+    from rich.console import Group
+    from rich.live import Live
+    from rich.text import Text
+
+    from cosim.cli.plot import plot
+
+    units = watcher.signals()
+    kept: dict[str, deque[float]] = {}
+    most = max(COLUMNS, round(window * float(watcher.content["rate"])))
+    with Live(auto_refresh=False, screen=False) as screen:
+        while _going_on(watcher, end):
+            for name, values in watcher.rows().items():
+                kept.setdefault(name, deque(maxlen=most)).extend(values.tolist())
+            status = watcher.status()
+            lines = [Text("waiting for the first tick" if status is None else status.line())]
+            for name in names:
+                lines += [Text(text) for text in plot(name, units[name], kept.get(name, ()))]
+            lines.append(Text(f"{watcher.lost} rows lost; Ctrl-C leaves the run alone", "dim"))
+            screen.update(Group(*lines), refresh=True)
+            time.sleep(DRAW_SECONDS)
