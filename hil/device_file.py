@@ -131,13 +131,14 @@ def load(path: Path) -> DeviceFile:
         InputError: it cannot be read, or a value in it is unknown, missing or implausible.
     """
     from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
 
     try:
         document: Any = YAML(typ="safe").load(path.read_text("utf-8"))  # pyright: ignore[reportUnknownMemberType]
     except OSError as error:
         raise InputError(f"the device file {path} cannot be read: {error.strerror}") from error
-    except (YAMLError, ValueError, RecursionError) as error:  # bytes, or values, that cannot be
+    except (
+        Exception
+    ) as error:  # of bytes that are no text, the YAML package raises more than its own
         raise InputError(f"the device file {path} is not YAML: {error}") from error
     try:
         return parse(document, path=path)

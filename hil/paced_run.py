@@ -211,6 +211,7 @@ class _Work:
 def _supervisor_process(run: PacedRun, work: _Work) -> None:
     """Open the devices, supervise the loop, report; never returns."""
     devices: list[Device] = []
+    out_of_reach: list[str] = []
     try:
         pulse = Pulse()
         session = sessions.begin(run.session)
@@ -218,6 +219,9 @@ def _supervisor_process(run: PacedRun, work: _Work) -> None:
         for name, participant in work.simulation.assembly.participants.items():
             component = participant.component
             if isinstance(component, DeviceComponent):
+                if not component.kind.shares_port:
+                    out_of_reach.append(name)  # the loop opens it, its board's watchdog guards it
+                    continue
                 control = participant.period / work.rate
                 written = work.simulation.scenario.components[name].parameters
                 session.number = len(devices)
@@ -235,6 +239,11 @@ def _supervisor_process(run: PacedRun, work: _Work) -> None:
         sentences = ending.sentences(devices)
         if ending.status in {0, 1, 2}:
             sentences = sentences[1:] if ending.reason else sentences
+        else:
+            sentences += [
+                f"{name} is out of the supervisor's reach; its board's watchdog drops the torque"
+                for name in out_of_reach
+            ]
         _say(work.pipe, sentences)
     except CohapticError as error:
         _say(work.pipe, LoopReport(error=(error.exit_status, str(error))))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import InputError
+from cosim.scenario import load as load_scenario
 from hil.address import number, numbers, parse
 from hil.device_file import DeviceFile, load
 from hil.device_file import parse as parse_file
@@ -54,6 +55,17 @@ def device_file_text(data: bytes) -> None:
     except InputError:
         return
     _check_file(file)
+
+
+def scenario_text(data: bytes) -> None:
+    """Any bytes in a file are a scenario, or refused with a sentence that names a place in it."""
+    path = _folder() / "fuzzed_scenario.yaml"
+    path.write_bytes(data)
+    try:
+        scenario = load_scenario(str(path))
+    except InputError:
+        return
+    assert scenario.components
 
 
 def _check_file(file: DeviceFile) -> None:
@@ -159,5 +171,12 @@ def _folder() -> Path:
 
 TARGETS = {
     each.__name__: each
-    for each in (device_file_values, device_file_text, device_url, side_channel, ring_file)
+    for each in (
+        device_file_values,
+        device_file_text,
+        scenario_text,
+        device_url,
+        side_channel,
+        ring_file,
+    )
 }

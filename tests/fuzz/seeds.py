@@ -20,8 +20,30 @@ loosened: {torque: because}
 workspace: {left: -0.1, right: 0.1, bottom: 0.05, top: 0.2}
 settings: {nodes: [1, 2], watchdog: {timeout: 0.02}}
 """
+SCENARIO = b"""cohaptic: 1
+title: One hand
+duration: 1
+seed: 7
+rates: {control: 1024, network: 128}
+components:
+  finger: {fmu: pantograph, station: a, rate: control, parameters: {finger_mass: 0.1}}
+  hand: {fmu: operator, station: b, rate: control, parameters: {initial_position: [0, 0.1]}}
+channels:
+  lan: {between: [a, b], rate: network, round_trip_delay: 1, jitter: 2 ms, loss: 0.1}
+connections:
+  - finger.tip_position -> hand.position via lan
+  - {from: hand.force, to: finger.hand_force, via: lan}
+record: [finger.*]
+expect: {finger.energy: {max_abs_below: 0.06}}
+"""
 SEEDS: dict[str, tuple[bytes, ...]] = {
-    "device_file_text": (DEVICE_FILE, b"driver: haply\n", b"{driver: mock, home: [1e3, .nan]}"),
+    "device_file_text": (
+        DEVICE_FILE,
+        b"driver: haply\n",
+        b"{driver: mock, home: [1e3, .nan]}",
+        b"{[1, {a: b}]: 2}",
+    ),
+    "scenario_text": (SCENARIO, b"cohaptic: 1\na: {[1, {b: c}]: 2}\n"),
     "device_url": (
         b"haply:///dev/ttyACM0",
         b"odrive+socketcan://can0?nodes=0,1&budget=0.001",

@@ -11,15 +11,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import pytest
+from click.testing import CliRunner
 from vendor_board import RemoteBoard
 from vendor_fakes import FAKES, Maker
 
+from cosim.cli import cli
 from cosim.errors import InputError
 from hil.address import parse
 from hil.contract import ZERO, Cause, Outcome, State
 from hil.device import Device
 from hil.device_file import default
 from hil.device_file import parse as parse_file
+from hil.drivers.mock import MockDevice
 from hil.errors import ActivationRefused, DeviceError, DeviceGone
 from hil.permission import ask, emulated
 from hil.pulse import Pulse
@@ -285,3 +288,20 @@ def test_a_card_is_fed_by_writing_alone(rig: Rig):
         rig.device.read(rig.tick)
         rig.maker.board.tick()
     assert rig.torque == ZERO
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_the_control_loop_itself_opens_what_cannot_be_shared(shared: bool, tmp_path, monkeypatch):
+    """Who opens it does not depend on whether this machine then keeps 1024 Hz."""
+    opened, whole = tmp_path / "opened", MockDevice._open
+
+    def note(device: MockDevice) -> None:
+        opened.write_text(f"{os.getppid()}")
+        whole(device)
+
+    monkeypatch.setattr(MockDevice, "shares_port", shared)
+    monkeypatch.setattr(MockDevice, "_open", note)
+    run = ("run", "two_users_box", "--with", "scenarios/devices/mock.yaml", "--realtime")
+    rest = ("--duration", "0.05 s", "--set", "expect=~", "--no-figure", "--json")
+    CliRunner().invoke(cli, [*run, *rest, "--out", str(tmp_path / "run")])
+    assert (int(opened.read_text()) == os.getpid()) is shared, "a child's child is the loop"
