@@ -24,12 +24,12 @@ from hil.errors import BoardError, DeviceError, DeviceGone, ProtocolError
 from hil.linkage import Pair
 from hil.vendor import fires, timeout_of, vendor
 
-INSTALL = "run 'pip install moteus'"
+INSTALL = "run 'pip install moteus>=1.1' to install it"
 STOPPED, FAULT, POSITION, TIMEOUT = 0, 1, 10, 11
 """Values of the mode register."""
 ANSWER_SECONDS = 0.002
 """How long the bus may take (``?budget=``, s); after that a sample counts as missing."""
-SET_UP_SECONDS = 1.0
+SET_UP_SECONDS = 2.0
 TRIES = 50
 
 
@@ -62,7 +62,7 @@ class MoteusDevice(Device):
             )
         self._loop = asyncio.new_event_loop()
         try:
-            self._transport = self._bus()
+            self._transport = self._loop.run_until_complete(self._bus())
         except Exception as error:  # whatever the package raises, the sentence is the same
             raise DeviceGone(f"no bus at {self.address.url}: {error}") from error
         self._axes = [
@@ -77,10 +77,13 @@ class MoteusDevice(Device):
             raise DeviceError(f"{self.name}: controllers {self._ids} do not answer, or do not stop")
         self._prove_watchdog()
 
-    def _bus(self) -> Any:
+    async def _bus(self) -> Any:
+        """Opened inside the event loop: the package's adapters look for a running one."""
         place, transport = self.address.place, self.address.transport
         if transport is None:
-            return self._moteus.Fdcanusb(place, max_retries=0)
+            # No second sending: a torque that comes late is worse than none.
+            patience = dict.fromkeys(("command_timeout", "response_timeout"), self._budget)
+            return self._moteus.Fdcanusb(place, max_retries=0, **patience)
         return self._moteus.PythonCan(interface=transport, channel=place, fd=True)
 
     def _prove_watchdog(self) -> None:
@@ -191,9 +194,19 @@ class MoteusDevice(Device):
     def _close(self) -> None:
         transport, self._transport = self._transport, None
         loop, self._loop = self._loop, None
+        if loop is None:
+            return
         try:
             if transport is not None:
-                transport.close()
+                loop.run_until_complete(_end(transport))
         finally:
-            if loop is not None:
-                loop.close()
+            loop.close()
+
+
+async def _end(transport: Any) -> None:
+    """Close a bus, and wait for what the package still has running."""
+    transport.close()
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
