@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import count
 from math import ceil, pi
+from time import monotonic
 from typing import ClassVar
 
 from cosim.errors import InputError
@@ -38,6 +40,8 @@ HEARTBEAT_MISSING = 0x8130
 MISSED_HEARTBEATS = 3
 LEAST_WATCHDOG_TICKS = 4
 TIMEOUT_SECONDS = 2.0
+ASK_AGAIN_TICKS = 128
+"""A frame may have been lost; the same SDO request may come twice."""
 SETUP_TICKS = 1024
 """Exchanges within which a node has to do what it was asked, outside the loop."""
 RESIDUAL_SHARE = 0.01
@@ -107,6 +111,7 @@ class CanopenDevice(Device):
         self._zero_check = ZeroCheck(self._layout.outputs, self._zero_codes)
         self._expired: set[int] = set()
         self._sequence = self._since_beat = 0
+        self._beat_time = 0.0
         self._forget_positions()
         self._answers: dict[int, SdoAnswer] = {}
 
@@ -235,14 +240,19 @@ class CanopenDevice(Device):
         self._zero_check.forget()
         self._put(codes)
         if self._armed:
-            if self._since_beat == 0 or self.state is State.INACTIVE:
+            self._since_beat += 1
+            if self._since_beat >= self._beat_ticks or self.state is State.INACTIVE or self._late():
                 self._beat()
-            self._since_beat = (self._since_beat + 1) % self._beat_ticks
         return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
+
+    def _late(self) -> bool:
+        """Whether the loop's ticks take longer than they should: heartbeats go by the clock."""
+        return not self.lockstep and monotonic() - self._beat_time > self._heartbeat_ms * 1e-3
 
     def _beat(self) -> None:
         data = wire.heartbeat(NmtState.OPERATIONAL)
         self._opened().send(wire.heartbeat_id(self.heartbeat), data)
+        self._since_beat, self._beat_time = 0, monotonic()
 
     def _put(self, codes: tuple[int, int]) -> None:
         for node in self._layout.driving:
@@ -291,7 +301,7 @@ class CanopenDevice(Device):
             self._write(node, entry, value)
             if self._read(node, entry) != value:
                 raise ActivationRefused(f"CANopen node {node} does not watch our heartbeat")
-        self._armed, self._since_beat = True, 0
+        self._armed, self._since_beat = True, self._beat_ticks
 
     def _leave(self) -> None:
         """Nobody has to watch a heartbeat that is about to end; who missed one starts again."""
@@ -333,10 +343,15 @@ class CanopenDevice(Device):
         """One SDO exchange by raw frames, between two ticks."""
         self._zero_check.forget()
         self._answers.pop(node, None)
-        self._opened().send(wire.sdo_request_id(node), request)
+        exchanges = count()
 
         def answered() -> bool:
-            return node in self._answers and self._answers[node].is_for(entry)
+            answer = self._answers.get(node)
+            if answer is not None and answer.is_for(entry):
+                return True
+            if next(exchanges) % ASK_AGAIN_TICKS == 0:
+                self._opened().send(wire.sdo_request_id(node), request)
+            return False
 
         self._until(answered, f"node {node} does not answer about {entry}")
         answer = self._answers[node]
