@@ -211,23 +211,13 @@ class _Work:
 def _supervisor_process(run: PacedRun, work: _Work) -> None:
     """Open the devices, supervise the loop, report; never returns."""
     devices: list[Device] = []
-    out_of_reach: list[str] = []
+    out_of_reach = [name for name, component in _devices(work) if not component.kind.shares_port]
     try:
         pulse = Pulse()
         session = sessions.begin(run.session)
         session.pulse, session.clock = pulse, time.monotonic
-        for name, participant in work.simulation.assembly.participants.items():
-            component = participant.component
-            if isinstance(component, DeviceComponent):
-                if not component.kind.shares_port:
-                    out_of_reach.append(name)  # the loop opens it, its board's watchdog guards it
-                    continue
-                control = participant.period / work.rate
-                written = work.simulation.scenario.components[name].parameters
-                session.number = len(devices)
-                devices.append(component.open(control, session, dict(written)))
-                session.ready[name] = devices[-1]
-        timed = any(not device.lockstep for device in devices)
+        devices.extend(_opening(work, session, shared=True))
+        timed = out_of_reach or any(not device.lockstep for device in devices)
         ending = supervise(
             devices,
             lambda: _loop(run, work, pulse),
@@ -259,12 +249,41 @@ def _supervisor_process(run: PacedRun, work: _Work) -> None:
         os._exit(0)
 
 
+def _devices(work: _Work) -> list[tuple[str, DeviceComponent]]:
+    parts = work.simulation.assembly.participants.items()
+    found = [(name, part.component) for name, part in parts]
+    return [(name, each) for name, each in found if isinstance(each, DeviceComponent)]
+
+
+def _opening(work: _Work, session: Session, *, shared: bool) -> Generator[Device]:
+    """Open the devices that a supervisor can hand on, or in the loop's process the others.
+
+    One by one, so that the caller knows of those that are open when the next one fails.
+    """
+    for name, component in _devices(work):
+        if component.kind.shares_port is shared:
+            control = work.simulation.assembly.participants[name].period / work.rate
+            written = work.simulation.scenario.components[name].parameters
+            session.number = len(session.ready)
+            session.ready[name] = component.open(control, session, dict(written))
+            yield session.ready[name]
+
+
 def _loop(run: PacedRun, work: _Work, pulse: Pulse) -> int:
     """The control loop's process."""
     assert run.pacer is not None
     # A reader that is gone shows as an error, not as a death.
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     report = LoopReport()
+    own: list[Device] = []
+    try:
+        own.extend(_opening(work, run.session, shared=False))
+    except CohapticError as error:
+        for device in own:
+            device.close()
+        report.error = (error.exit_status, str(error))
+        _say(work.pipe, report)
+        return error.exit_status
     told = StatusWriter(
         work.feed.status,
         [run.session.ready[name] for name in work.feed.devices],
