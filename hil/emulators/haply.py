@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from math import degrees, pi
+from math import degrees, isfinite, pi
 
 from hil.emulators.board import Board, Unit
 from hil.emulators.world import World
@@ -94,7 +94,7 @@ class HaplyBoard(Board):
             if port in self._wiring:
                 joint = self._wiring.index(port)
                 now = self.world.angle()[joint]
-                quantum = 2 * pi / counts if counts else 0.0
+                quantum = 2 * pi / counts if counts and isfinite(counts) else 0.0
                 if quantum:
                     turned = (round(now / quantum) - round(start[joint] / quantum)) * quantum
             angles.append(offset + degrees(turned))

@@ -23,6 +23,8 @@ from hil.emulators.control import PATIENCE, SYNC
 from hil.emulators.faults import Fault, FaultKind
 from hil.emulators.links import Link
 
+LONGEST_ADVANCE = 10_000
+"""Ticks that one request may ask for: a minute's work, and not for ever."""
 LONGEST_CATCH_UP = 100
 """Ticks that a real-time emulator makes up for at once after its machine was busy."""
 
@@ -214,7 +216,7 @@ class Server:
                 start = world.tick + int(request.pop("start", 0))
                 world.faults.append(Fault(kind=kind, start=start, **request))
             case "advance":
-                for _ in range(int(request["ticks"])):
+                for _ in range(min(int(request["ticks"]), LONGEST_ADVANCE)):
                     self._advance()
             case "state":
                 if self._in_step is None:

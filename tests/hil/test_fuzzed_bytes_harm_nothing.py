@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+from math import inf, nan
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hil.emulators.haply import HaplyBoard
+from hil.emulators.world import World
+from hil.protocols import haply
 from tests.fuzz.file_targets import WORDS, document_is_refused_or_right
 from tests.fuzz.seeds import DEVICE_FILE
 from tests.fuzz.targets import SEEDS, TARGETS
+from tests.fuzz.wire import Rest
 
 fixed = settings(
     deadline=None,
@@ -62,3 +67,13 @@ def test_an_emulator_answers_whatever_it_is_asked(document):
     asked = {"do": "fault", "kind": "drop", **document} if isinstance(document, dict) else document
     for request in (document, asked, {"do": "shift", "by": document}):
         TARGETS["side_channel"](json.dumps(request).encode())
+
+
+@pytest.mark.parametrize("counts", [nan, inf, -inf, 0.0, 1e-45, 3e38])
+def test_a_setup_with_any_resolution_is_answered(counts):
+    """Found by the fuzzer: a resolution that is no number ended the emulator."""
+    board = HaplyBoard(World(Rest((1.0, 2.0)), lockstep=False))
+    axes = [haply.Axis(port=2, counts_per_turn=counts), haply.Axis(port=1)]
+    board.receive(haply.reset(5) + haply.setup(5, axes))
+    (answer,) = board.receive(haply.torques(5, axes, (0.0, 0.0)))
+    assert len(answer) == haply.REPLY_BYTES
