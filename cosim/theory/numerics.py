@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any, cast
@@ -43,9 +44,65 @@ def spectral_radius(matrix: Real) -> float:
 
 
 def find_root(function: Callable[[float], float], low: float, high: float) -> float:
-    """The zero of ``function`` in [low, high], whose ends have opposite signs (Brent)."""
-    brentq: Any = import_module("scipy.optimize").brentq
-    return float(brentq(function, low, high, xtol=1e-13, rtol=4e-15, maxiter=200))
+    """The zero of ``function`` in [low, high], to 1e-13 and a few units in the last place.
+
+    Brent's method (Algorithms for Minimization without Derivatives, 1973, chapter 4). Written out,
+    because importing SciPy's takes longer than a whole design.
+
+    Raises:
+        ValueError: the function has the same sign at both ends.
+    """
+    before, now = low, high
+    f_before, f_now = function(before), function(now)
+    if f_before == 0.0:
+        return before
+    if f_now != 0.0 and (f_before > 0.0) == (f_now > 0.0):
+        raise ValueError(f"no change of sign between {low:g} and {high:g}")
+    # [now, other] brackets the zero and ``now`` is its better end.
+    other, f_other = before, f_before
+    step = last_step = now - before
+    for _ in range(200):
+        if abs(f_other) < abs(f_now):
+            before, now, other = now, other, now
+            f_before, f_now, f_other = f_now, f_other, f_now
+        tolerance = _ROUNDING * abs(now) + 0.5e-13
+        half = 0.5 * (other - now)
+        if abs(half) <= tolerance or f_now == 0.0:
+            return now
+        proposed = _interpolation((before, f_before), (now, f_now), (other, f_other))
+        towards = proposed / half if abs(f_before) > abs(f_now) else -1.0
+        # Taken where it stays inside three quarters of the bracket and steps keep halving.
+        if (
+            0.0 < towards < 1.5
+            and tolerance <= abs(last_step)
+            and 2 * abs(proposed) < abs(last_step)
+        ):
+            last_step, step = step, proposed
+        else:
+            last_step = step = half
+        before, f_before = now, f_now
+        now += step if abs(step) > tolerance else math.copysign(tolerance, half)
+        f_now = function(now)
+        if (f_now > 0.0) == (f_other > 0.0):
+            other, f_other = before, f_before
+            last_step = step = now - before
+    return now
+
+
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)
+
+
+def _interpolation(
+    before: tuple[float, float], now: tuple[float, float], other: tuple[float, float]
+) -> float:
+    """The step from ``now`` to the zero of the inverse parabola (or the secant) through them."""
+    (a, fa), (b, fb), (c, fc) = before, now, other
+    if fa == fb:
+        return math.inf
+    if a == c or fc in (fa, fb):
+        return -fb * (b - a) / (fb - fa)
+    s, q, r = fb / fa, fa / fc, fb / fc
+    return s * ((c - b) * q * (q - r) - (b - a) * (r - 1)) / -((q - 1) * (r - 1) * (s - 1))
 
 
 def minimise_bounded(
