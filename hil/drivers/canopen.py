@@ -28,6 +28,7 @@ from hil.device import Device
 from hil.device_file import DeviceFile
 from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.linkage import Pair
+from hil.ports import PATIENCE
 from hil.protocols import canopen as wire
 from hil.protocols.canopen import Index, NmtCommand, NmtState, Object, SdoAnswer
 
@@ -88,7 +89,7 @@ class CanopenDevice(Device):
             heartbeat_ms=self._heartbeat_ms,
             watchdog_ms=self._watchdog_ms,
             producer=self.heartbeat,
-            timeout=float(self.file.settings.get("timeout", TIMEOUT_SECONDS)),
+            timeout=PATIENCE if self.lockstep else self._timeout,
         )
         first, second = self.file.joints
         found = set_up(
@@ -128,6 +129,10 @@ class CanopenDevice(Device):
         assert isinstance(drives[0], VoltageDrive)
         assert isinstance(drives[1], VoltageDrive)
         return drives[0], drives[1]
+
+    @property
+    def _timeout(self) -> float:
+        return float(self.file.settings.get("timeout", TIMEOUT_SECONDS))
 
     def _milliseconds(self, name: str, otherwise: int) -> int:
         """A time of the device file, or one that suits the control rate."""

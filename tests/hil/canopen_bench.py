@@ -66,8 +66,11 @@ class Wire:
 
     def device(self, nodes: str = "1", **document) -> CanopenDevice:
         """A device that waits for its answers however long the thread takes."""
-        url = f"canopen+virtual://{self.channel}?nodes={nodes}&budget=2"
-        file = parse_file({"driver": "canopen", "home": list(REST), **document})
+        url = f"canopen+virtual://{self.channel}?nodes={nodes}&budget=120"
+        settings = {"timeout": 120, **document.pop("settings", {})}
+        file = parse_file(
+            {"driver": "canopen", "home": list(REST), "settings": settings, **document}
+        )
         made = CanopenDevice(parse(url), file, tick=TICK)
         self._devices.append(made)
         return made

@@ -13,7 +13,7 @@ from hil.canbus import raw_bus
 from hil.emulators.canopen_objects import dictionary
 
 CODE = 10.0 / 32767 * 0.5 * 0.0364
-PATIENCE = 20.0
+PATIENCE = 120.0
 
 
 @pytest.fixture

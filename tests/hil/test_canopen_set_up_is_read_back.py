@@ -95,7 +95,7 @@ def test_a_node_that_does_not_keep_a_setting_is_refused(wire, index):
 
 
 def test_a_node_that_is_not_there_is_named(wire):
-    device = wire.device("1,9", settings={"timeout": 0.05})
+    device = wire.device("9,1", settings={"timeout": 0.05})
     with pytest.raises(DeviceError, match="node 9 does not answer on virtual"):
         device.configure()
 
