@@ -200,7 +200,9 @@ def calibrate_device(
 @command.command("emulate")
 @click.argument("name")
 @click.option("--scenario", help="Take pantograph and operator from this scenario ...")
+@click.option("--with", "overlays", multiple=True, metavar="FILE", help="... with this over it ...")
 @click.option("--component", help="... namely this component and the operator that moves it.")
+@click.option("--firmware", is_flag=True, help="cobs: compile and run hil/firmware on its side.")
 @click.option("--lockstep", is_flag=True, help="Advance only as the driver exchanges.")
 @click.option("--link", default="pty", show_default=True, help="pty, slcan or udp_multicast.")
 @click.option("--file", "output", type=click.Path(path_type=Path), help="Write its device file.")
@@ -210,33 +212,39 @@ def emulate_device(
     name: str,
     *,
     scenario: str | None,
+    overlays: tuple[str, ...],
     component: str | None,
     link: str,
     output: Path | None,
     fault: str | None,
     after: int,
+    firmware: bool,
     lockstep: bool,
 ) -> None:
     """Emulate the device NAME in a process that speaks its real bytes, until Ctrl-C.
 
     Prints one JSON object with the URL that a scenario or ``device check`` takes.
     """
+    from tempfile import TemporaryDirectory
+
     from hil.emulators.launch import Emulator, Order
 
-    pantograph, operator = _from_scenario(scenario, component)
+    folder = TemporaryDirectory(prefix="cohaptic-firmware-") if firmware else None
+    pantograph, operator = _from_scenario(scenario, overlays, component)
     order = Order(
         name=name,
         lockstep=lockstep,
         parameters=pantograph,
         operator=operator,
         link=link,
+        options={} if folder is None else {"firmware": _firmware(name, Path(folder.name))},
         priority=0 if lockstep else 60,
     )
     with Emulator(order) as emulator:
         if fault is not None:
             emulator.control.ask("fault", kind=fault, start=after)
         if output is not None:
-            _write_emulated_file(output, name, emulator.home)
+            _write_emulated_file(output, name, pantograph, emulator.home)
         click.echo(json.dumps({"url": emulator.url, "home": emulator.home}))
         sys.stdout.flush()
         try:
@@ -245,21 +253,42 @@ def emulate_device(
             click.echo("stopped", err=True)
 
 
-def _write_emulated_file(output: Path, name: str, home: tuple[float, float]) -> None:
+def _firmware(name: str, folder: Path) -> str:
+    """The C reference of the device side, compiled.
+
+    Raises:
+        InputError: it is another device's, or there is no compiler.
+    """
+    from importlib.util import find_spec
+
+    from cosim.errors import InputError
+    from hil.firmware.build import build
+
+    if name != "cobs":
+        raise InputError(f"--firmware is for 'cobs', whose device side is ours, not for '{name}'")
+    if find_spec("ziglang") is None:
+        raise InputError("--firmware needs a compiler: install the package 'ziglang'")
+    return str(build(folder))
+
+
+def _write_emulated_file(
+    output: Path, name: str, pantograph: Mapping[str, Any], home: tuple[float, float]
+) -> None:
     from hil.device_file import save
 
-    save(output, {"driver": name, "preset": "quanser", "home": list(home)})
+    preset = "haply" if pantograph.get("device") in {"haply", 1} else "quanser"
+    save(output, {"driver": name, "preset": preset, "home": list(home)})
 
 
 def _from_scenario(
-    scenario: str | None, component: str | None
+    scenario: str | None, overlays: tuple[str, ...], component: str | None
 ) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
     from cosim.errors import InputError
     from cosim.scenario import load
 
     if scenario is None or component is None:
         return {"initial_tip_position": (0.0425, 0.2)}, None
-    loaded = load(scenario)
+    loaded = load(scenario, overlays)
     if component not in loaded.components:
         raise InputError(f"{scenario} has no component '{component}'")
     movers = [
@@ -268,7 +297,9 @@ def _from_scenario(
         if connection.target.component == component and connection.target.path == "hand_force"
     ]
     operator = loaded.components[movers[0]].parameters if movers else None
-    return loaded.components[component].parameters, operator
+    # What stands for the wire in a simulation is brought by the wire itself here.
+    written = loaded.components[component].parameters
+    return {k: v for k, v in written.items() if k != "computation_delay_ticks"}, operator
 
 
 def _opened(url: str, file: Path | None) -> Device:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from hil.address import parse
@@ -13,6 +17,7 @@ from hil.contract import ZERO, Measurement, Sent
 from hil.device import Device
 from hil.device_file import parse as parse_file
 from hil.emulators.launch import Emulator, Order
+from hil.firmware.build import build
 from hil.permission import emulated
 from hil.registry import find
 
@@ -36,6 +41,14 @@ SETUPS["cobs"] = {
     "serial": True,
     "frame": 18,
 }
+SETUPS["cobs (C firmware)"] = {
+    **SETUPS["cobs"],
+    "driver": "cobs",
+    "emulator": "cobs",
+    "firmware": True,
+    "serial": False,
+}
+"""The C reference on the board's side of the pty; the host's side is the same, byte for byte."""
 ODRIVE_WATCHDOG = {
     "timeout": 0.02,
     "timeout_endpoint": 0x0101,
@@ -67,6 +80,14 @@ for nodes in ((1, 2), (1, 2, 3)):
 
 DRIVERS = sorted(name for name, setup in SETUPS.items() if not setup.get("apart"))
 """Those that go through the whole suite."""
+
+
+@cache
+def firmware() -> str:
+    """The C reference, compiled once for all tests."""
+    folder = TemporaryDirectory(prefix="cohaptic-firmware-")
+    atexit.register(folder.cleanup)
+    return str(build(Path(folder.name)))
 
 
 @dataclass
@@ -101,12 +122,15 @@ class Bench:
 
     def emulator(self, name: str, *, lockstep: bool = True, **changes: Any) -> Emulator:
         setup = SETUPS[name]
+        options = dict(setup.get("options", {}))
+        if "firmware" in setup:
+            options["firmware"] = firmware()
         order = Order(
             name=setup.get("emulator", name),
             lockstep=lockstep,
             parameters=setup["parameters"],
             link=setup.get("link", "pty"),
-            options=setup.get("options", {}),
+            options=options,
             **changes,
         )
         emulator = Emulator(order)

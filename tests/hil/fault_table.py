@@ -9,6 +9,8 @@ PAGE = Path(__file__).parents[2] / "docs" / "safety.md"
 BEGIN, END = "<!-- fault table: written by the tests -->", "<!-- end of fault table -->"
 
 Table = dict[tuple[str, str], str]
+SEEN: Table = {}
+"""(driver, fault) -> what happened; filled in by the tests as they pass."""
 
 
 def render(table: Table) -> str:

@@ -21,6 +21,7 @@ from cosim.scenario import load
 from hil.address import parse
 from hil.device_file import save
 from hil.emulators.launch import Emulator, Order
+from hil.errors import ActivationRefused
 from hil.registry import find
 
 DURATION = "1.6 s"
@@ -117,7 +118,9 @@ def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path
     simulated = simulate(tmp_path / "simulated", find(name).latency_ticks)
     with emulated(lockstep=True, name=name) as emulator:
         run(tmp_path / "run", *swapped(tmp_path, emulator))
-        assert emulator.control.ask("state")["torque"] == [0.0, 0.0]
+        state = emulator.control.ask("state")
+        assert state["torque"] == [0.0, 0.0]
+        assert state["largest"] > 0.01, "it has to push in between"
     finger = [
         signal(folder, "finger_a1.joint_angle[1]") for folder in (simulated, tmp_path / "run")
     ]
@@ -130,6 +133,24 @@ def test_in_lock_step_the_record_differs_by_resolution_and_latency_only(tmp_path
         found = signal(tmp_path / "run", f"vr_a.box_pose.{axis}")
         assert np.abs(found - expected).max() < bound, axis
     assert signal(simulated, "vr_a.finger_1.normal_force").max() > 0.5, "it has to touch the box"
+
+
+def test_without_enable_output_no_motor_ever_moves(tmp_path):
+    """The workstation computes its torques, the record keeps them, and the motors see none."""
+    with emulated(lockstep=True, name="haply") as emulator:
+        dry = [o for o in swapped(tmp_path, emulator) if o not in {"--enable-output", "--yes"}]
+        run(tmp_path / "dry", *dry)
+        assert emulator.control.ask("state")["largest"] == 0.0
+    assert np.abs(signal(tmp_path / "dry", "vr_a.finger_1.motor_torque[1]")).max() > 0.01
+    assert not signal(tmp_path / "dry", "finger_a1.applied_torque[1]").any()
+
+
+def test_enable_output_without_a_confirmation_is_refused(tmp_path):
+    with emulated(lockstep=True, name="haply") as emulator:
+        options = [option for option in swapped(tmp_path, emulator) if option != "--yes"]
+        with pytest.raises(ActivationRefused, match="nobody to confirm"):
+            attempt(tmp_path / "refused", *options)
+        assert emulator.control.ask("state")["largest"] == 0.0
 
 
 def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path):

@@ -53,5 +53,7 @@ def test_mistakes_are_sentences():
         invoke("check", "haplyy:///dev/x")
     with pytest.raises(DeviceGone, match="cannot be opened"):
         invoke("check", "haply:///dev/does-not-exist")
+    with pytest.raises(InputError, match="is for 'cobs'"):
+        invoke("emulate", "haply", "--firmware")
     with pytest.raises(InputError, match="there is no emulator"):
         invoke("emulate", "spoon")

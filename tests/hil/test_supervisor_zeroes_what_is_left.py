@@ -7,6 +7,7 @@ import signal
 import time
 from contextlib import suppress
 
+import fault_table
 import pytest
 from driver_bench import DRIVERS, SETUPS, Bench
 
@@ -17,6 +18,14 @@ from hil.supervisor import supervise
 
 SERIAL = [name for name in DRIVERS if SETUPS[name].get("serial", False)]
 TICKS = 60
+KILLED, STOPPED, ORPHANED = DEATHS = (
+    "loop killed (SIGKILL) while it writes",
+    "loop stopped (SIGSTOP)",
+    "supervisor killed (SIGKILL)",
+)
+"""What the safety page says of them."""
+OFFSETS: dict[str, set[int]] = {}
+"""Byte offsets of a frame at which a driver's loop was killed and its device zeroed."""
 
 
 def exchanging(rig, pulse, after):
@@ -75,6 +84,12 @@ def test_a_loop_killed_at_any_byte_of_a_frame(name: str, offset: int, bench: Ben
     assert ending.zeroed == (True,)
     assert truth["torque"] == [0.0, 0.0]
     assert "SIGKILL" in ending.reason
+    done = OFFSETS.setdefault(name, set())
+    done.add(offset)
+    if len(done) == frame_length(name) + 1:
+        fault_table.SEEN[name, KILLED] = (
+            f"the supervisor confirms zero, at each of {len(done)} byte offsets"
+        )
 
 
 @pytest.mark.parametrize("name", DRIVERS)
@@ -103,6 +118,10 @@ def test_a_loop_that_ends_or_stands_still(name: str, how: str, bench: Bench):
     if how in {"stopped", "busy"}:
         assert "stood still" in ending.reason
     assert (ending.status == 0) is (how == "returns")
+    if how == "stopped":
+        fault_table.SEEN[name, STOPPED] = "the supervisor kills it and confirms zero"
+    if how == "killed between frames" and name not in SERIAL:
+        fault_table.SEEN[name, KILLED] = "the supervisor confirms zero, between two whole frames"
 
 
 @pytest.mark.parametrize("name", DRIVERS)
@@ -136,6 +155,7 @@ def test_a_loop_whose_supervisor_died_zeroes_and_faults(name: str, bench: Bench)
     os.waitpid(supervisor, 0)
     assert os.read(said, 1) == b"y"
     assert rig.truth()["torque"] == [0.0, 0.0]
+    fault_table.SEEN[name, ORPHANED] = "fault (supervisor) at the next write; zero confirmed"
     rig.device.release()  # what the loop's process exchanged is not known here
     os.close(said)
     os.close(tell)
