@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from contextlib import ExitStack
+
     from hil.device import Device
     from hil.session import Session
 
@@ -225,22 +227,22 @@ def emulate_device(
 
     Prints one JSON object with the URL that a scenario or ``device check`` takes.
     """
-    from tempfile import TemporaryDirectory
+    from contextlib import ExitStack
 
     from hil.emulators.launch import Emulator, Order
 
-    folder = TemporaryDirectory(prefix="cohaptic-firmware-") if firmware else None
     pantograph, operator = _from_scenario(scenario, overlays, component)
-    order = Order(
-        name=name,
-        lockstep=lockstep,
-        parameters=pantograph,
-        operator=operator,
-        link=link,
-        options={} if folder is None else {"firmware": _firmware(name, Path(folder.name))},
-        priority=0 if lockstep else 60,
-    )
-    with Emulator(order) as emulator:
+    with ExitStack() as stack:
+        order = Order(
+            name=name,
+            lockstep=lockstep,
+            parameters=pantograph,
+            operator=operator,
+            link=link,
+            options={"firmware": _firmware(name, stack)} if firmware else {},
+            priority=0 if lockstep else 60,
+        )
+        emulator = stack.enter_context(Emulator(order))
         if fault is not None:
             emulator.control.ask("fault", kind=fault, start=after)
         if output is not None:
@@ -253,13 +255,14 @@ def emulate_device(
             click.echo("stopped", err=True)
 
 
-def _firmware(name: str, folder: Path) -> str:
-    """The C reference of the device side, compiled.
+def _firmware(name: str, stack: ExitStack) -> str:
+    """The C reference of the device side, compiled for as long as ``stack`` is open.
 
     Raises:
         InputError: it is another device's, or there is no compiler.
     """
     from importlib.util import find_spec
+    from tempfile import TemporaryDirectory
 
     from cosim.errors import InputError
     from hil.firmware.build import build
@@ -268,7 +271,8 @@ def _firmware(name: str, folder: Path) -> str:
         raise InputError(f"--firmware is for 'cobs', whose device side is ours, not for '{name}'")
     if find_spec("ziglang") is None:
         raise InputError("--firmware needs a compiler: install the package 'ziglang'")
-    return str(build(folder))
+    folder = stack.enter_context(TemporaryDirectory(prefix="cohaptic-firmware-"))
+    return str(build(Path(folder)))
 
 
 def _write_emulated_file(
