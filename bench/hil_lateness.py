@@ -1,67 +1,152 @@
-"""How late the paced loop is, side by side with cyclictest in the same seconds on the same machine.
+"""How late the paced loop is beside cyclictest in the same seconds, and what devices cost a tick.
 
-Run as a user who may use SCHED_FIFO: ``uv run python bench/hil_lateness.py [seconds]``. The run is
-void where the host took time away from the machine (steal in /proc/stat).
+    uv run python bench/hil_lateness.py [--seconds 20] [--only mock haply]
+
+For no device, the simulated one (mock) and every driver on its emulator: lateness of the 1024 Hz
+loop and cyclictest's, side by side, at p50, p99 and p99.9; the time of a tick's read and write; and
+the round trip from a written command to its answer, where the protocol answers commands. Needs a
+user who may use SCHED_FIFO. A line is void where the host stole the processors.
 """
 
 from __future__ import annotations
 
-import re
-import shutil
-import subprocess
+import argparse
+import os
+import pickle
+import select
 import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
-from cosim.master.deadlines import Deadlines
+import numpy as np
+from host import Host, compare, verdict
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hil"))
+
+from driver_bench import Bench
+from hil_bench import Puppet, mock
+
 from cosim.master.pacing import DeadlinePacer
+from hil.component import REST_TICKS
+from hil.contract import ZERO
+from hil.device import Device
 from hil.realtime import clock_nanosleep, prepare_loop
 
 TICK = Fraction(1, 1024)
+EMULATOR_PRIORITY = 65
+ARRANGEMENTS = ("no device", "mock", "haply", "cobs", "odrive (slcan)", "odrive", "canopen (slcan)",
+                "canopen")  # fmt: skip
+LONGEST_ANSWER = 500
+"""Longest wait for an answer (us); what is later counts as no answer."""
 
 
-def steal() -> int:
-    return int(Path("/proc/stat").read_text().splitlines()[0].split()[8])
+def in_child(work: Callable[[], Any]) -> Any:
+    """Run in a process that can become real-time and be thrown away; what it returns."""
+    ours, theirs = os.pipe()
+    process = os.fork()
+    if process == 0:
+        os.close(ours)
+        with suppress(BaseException), os.fdopen(theirs, "wb") as pipe:
+            pickle.dump(work(), pipe)
+        os._exit(0)
+    os.close(theirs)
+    with os.fdopen(ours, "rb") as pipe:
+        data = pipe.read()
+    os.waitpid(process, 0)
+    return pickle.loads(data) if data else None
 
 
-def cyclictest(seconds: int) -> subprocess.Popen[str] | None:
-    program = shutil.which("cyclictest")
-    if program is None:
-        return None
-    interval = round(1e6 * float(TICK))
-    command = [program, "-q", "-m", "-t1", "-p70", f"-i{interval}", f"-D{seconds}", "-h20000"]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-
-
-def percentiles(text: str) -> dict[str, float]:
-    rows = [(int(m[1]), int(m[2])) for m in re.finditer(r"^(\d{6}) (\d+)", text, re.M)]
-    total, found = sum(count for _, count in rows), {}
-    for name, share in (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999)):
-        seen = 0
-        for micro, count in rows:
-            seen += count
-            if seen >= share * total:
-                found[name] = float(micro)
-                break
+def loop(device: Device | None, seconds: float) -> dict[str, Any]:
+    """A paced loop that exchanges zero torque with a device."""
+    if device is not None:
+        device.configure()
+        device.home()
+    ticks = round(seconds / TICK)
+    exchanges, answers = np.zeros(ticks), np.full(ticks, np.nan)
+    ages = np.zeros(ticks, dtype=np.int64)
+    poll = answering(device) if device is not None else None
+    prepare_loop()
+    pacer = DeadlinePacer(tick_seconds=TICK, sleep=clock_nanosleep())
+    pacer.start(-REST_TICKS)
+    clock = time.monotonic_ns
+    for tick in range(-REST_TICKS, ticks):
+        pacer.wait(tick)
+        if device is None:
+            continue
+        began = clock()
+        ages[tick] = device.read(tick).sample_age
+        device.write(tick, ZERO)
+        done = clock()
+        exchanges[tick] = done - began
+        if poll is not None and tick % 16 == 0 and poll.poll(LONGEST_ANSWER * 1e-3):
+            answers[tick] = clock() - done
+    found: dict[str, Any] = {"deadlines": pacer.deadlines.summary()}
+    if device is not None:
+        found |= {
+            "exchange": np.percentile(exchanges, [50, 99]) * 1e-3,
+            "answer": np.nanpercentile(answers, [50, 99]) * 1e-3
+            if not np.isnan(answers).all()
+            else None,
+            "aged": float(np.mean(ages > 0)),
+            "state": str(device.state),
+        }
+        device.close()
     return found
 
 
+def answering(device: Device) -> select.poll | None:
+    """A poll on the port of a device that answers every command."""
+    if device.driver not in {"haply", "cobs"}:
+        return None
+    poll = select.poll()
+    poll.register(device._port._descriptor, select.POLLIN)  # type: ignore[attr-defined]
+    return poll
+
+
 def main() -> None:
-    seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 20
-    before, other = steal(), cyclictest(seconds)
-    for grant in prepare_loop():
-        print(grant.sentence)
-    deadlines = Deadlines()
-    pacer = DeadlinePacer(tick_seconds=TICK, deadlines=deadlines, sleep=clock_nanosleep())
-    pacer.start(0)
-    for tick in range(1, 1024 * seconds):
-        pacer.wait(tick)
-    theirs = percentiles(other.communicate()[0]) if other is not None else {}
-    for name, share in (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999)):
-        ours = deadlines.percentile(share) * 1e6
-        ratio = f"{ours / theirs[name]:.2f}" if theirs.get(name) else "-"
-        print(f"{name:6} loop {ours:7.0f} us   cyclictest {theirs.get(name, 0):7.0f} us   {ratio}")
-    print(f"worst {deadlines.worst / 1000:.0f} us, steal {steal() - before} jiffies")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--only", nargs="*", choices=ARRANGEMENTS)
+    options = parser.parse_args()
+    for name in options.only or ARRANGEMENTS:
+        bench = Bench()
+        try:
+            device = None
+            if name == "mock":
+                device = mock(Puppet(), output=False)
+            elif name != "no device":
+                emulator = bench.emulator(name, lockstep=False, priority=EMULATOR_PRIORITY)
+                # A fault of lateness would end the exchange: output stays dry, and no clock.
+                device = bench.device(name, emulator, output=False)
+            host = Host(options.seconds, threads=2)
+            found = in_child(lambda device=device: loop(device, options.seconds))
+            seen = host.close()
+        finally:
+            with suppress(Exception):
+                bench.close()
+        print(f"{name}: {verdict(seen)}")
+        if found is None:
+            print("  the loop failed")
+            continue
+        deadlines = found["deadlines"]
+        compare(name, deadlines, seen)
+        print(
+            f"  misses {deadlines['misses']} of {deadlines['ticks']} (cyclictest "
+            f"{seen.get('misses', 0):.0f} of {seen.get('wakes', 0):.0f}), worst "
+            f"{deadlines['worst'] * 1e3:.1f} ms (cyclictest {seen.get('worst', 0) * 1e-3:.1f} ms)"
+        )
+        if "exchange" in found:
+            middle, high = found["exchange"]
+            answer = found["answer"]
+            told = f"{answer[0]:.0f} us, p99 {answer[1]:.0f} us" if answer is not None else "-"
+            print(
+                f"  read and write {middle:.0f} us, p99 {high:.0f} us; answer after {told}; "
+                f"ticks without a new sample {found['aged']:.2%}; {found['state']}"
+            )
 
 
 if __name__ == "__main__":

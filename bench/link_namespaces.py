@@ -20,6 +20,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +55,18 @@ def namespaces(prefix: str) -> dict[str, str]:
     return names
 
 
-def run_stations(root: Path, options: argparse.Namespace, names: dict[str, str]) -> None:
+def beside(folders: list[Path], processes: list[subprocess.Popen], seconds: float) -> Host:
+    """cyclictest from where all loops run: their records begin with their first tick."""
+    while not all((folder / "run.h5").exists() for folder in folders):
+        if all(process.poll() is not None for process in processes):
+            break
+        time.sleep(0.05)
+    return Host(max(1.0, seconds - 1.0), threads=2)
+
+
+def run_stations(
+    root: Path, options: argparse.Namespace, names: dict[str, str]
+) -> dict[str, float]:
     addresses = ADDRESSES if names else LOOPBACK
     processes = []
     for station in STATIONS:
@@ -68,13 +80,17 @@ def run_stations(root: Path, options: argparse.Namespace, names: dict[str, str])
         ]
         with (root / f"{station}.txt").open("w") as said:
             processes.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=said))
+    host = beside([root / s for s in STATIONS], processes, options.duration)
     codes = [process.wait() for process in processes]
     if codes != [0, 0]:
         said = "".join((root / f"{s}.txt").read_text() for s in STATIONS)
         sys.exit(f"the stations ended with {codes}:\n{said}")
+    return host.close()
 
 
-def run_control(root: Path, options: argparse.Namespace) -> list[dict[str, Any]]:
+def run_control(
+    root: Path, options: argparse.Namespace
+) -> tuple[list[dict[str, Any]], dict[str, float]]:
     """The same two loops, each with both stations' models and no link."""
     folders = [root / f"control-{number}" for number in range(2)]
     command = [
@@ -84,9 +100,10 @@ def run_control(root: Path, options: argparse.Namespace) -> list[dict[str, Any]]
     processes = [
         subprocess.Popen([*command, str(folder)], stdout=subprocess.DEVNULL) for folder in folders
     ]
+    host = beside(folders, processes, options.duration)
     for process in processes:
         process.wait()
-    return [manifest(folder)["deadlines"] for folder in folders]
+    return [manifest(folder)["deadlines"] for folder in folders], host.close()
 
 
 def manifest(folder: Path) -> dict[str, Any]:
@@ -168,9 +185,7 @@ def main() -> None:
         root = Path(scratch)
         try:
             run(*COHAPTIC, "keygen", str(root / "key"), stdout=subprocess.DEVNULL)
-            host = Host(options.duration, threads=2)
-            run_stations(root, options, names)
-            seen = host.close()
+            seen = run_stations(root, options, names)
         finally:
             for name in names.values():
                 run("ip", "netns", "del", name)
@@ -190,9 +205,7 @@ def main() -> None:
                 if part.startswith("link_")
             )
         if not options.no_control:
-            host = Host(options.duration, threads=2)
-            control = run_control(root, options)
-            seen = host.close()
+            control, seen = run_control(root, options)
             print(f"\nthe same loops without a network: {verdict(seen)}; cyclictest: {seen}")
             for number, found in enumerate(control):
                 tell_deadlines(f"control {number}", found)
