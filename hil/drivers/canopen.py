@@ -20,10 +20,10 @@ from hil.address import Address
 from hil.canbus import CanBus, open_bus
 from hil.canopen.layout import layout
 from hil.canopen.set_up import Timing, set_up
+from hil.canopen.settings import WATCHDOG_MS, settings
 from hil.canopen.supervision import Events, Supervision, told_under
 from hil.canopen.zero_check import ZeroCheck
 from hil.contract import BusUse, Sample, State, Watchdog
-from hil.conversion import VoltageDrive
 from hil.device import Device
 from hil.device_file import DeviceFile
 from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
@@ -34,19 +34,13 @@ from hil.protocols.canopen import Index, NmtCommand, NmtState, Object, SdoAnswer
 
 SYNC_FRAME = (0,)
 """Data bytes of what is sent once for all devices on a bus."""
-HEARTBEAT_MS, WATCHDOG_MS = 5, 20
-"""How often a node and we say that we are alive; how long a node lets us be silent."""
 HEARTBEAT_MISSING = 0x8130
 """Emergency code of a node that misses our heartbeat (CiA 301)."""
 MISSED_HEARTBEATS = 3
-LEAST_WATCHDOG_TICKS = 4
-TIMEOUT_SECONDS = 2.0
 ASK_AGAIN_TICKS = 128
 """A frame may have been lost; the same SDO request may come twice."""
 SETUP_TICKS = 1024
 """Exchanges within which a node has to do what it was asked, outside the loop."""
-RESIDUAL_SHARE = 0.01
-"""Largest torque at code 0, which outputs drop to by themselves, as a share of the limit."""
 PRESET_TOLERANCE = 0.1
 """How far the handle may have moved while its position was preset (rad)."""
 
@@ -60,6 +54,7 @@ class CanopenDevice(Device):
     heartbeat = wire.LAST_NODE
     """The node number of our heartbeat, which the nodes with outputs watch."""
     _bus: CanBus | None = None
+    _watchdog_ms = WATCHDOG_MS
     _proved = False
 
     @classmethod
@@ -75,11 +70,9 @@ class CanopenDevice(Device):
     # --- setting up ------------------------------------------------------------------------------
 
     def _open(self) -> None:
-        self._layout = layout(self.address, self.file)
-        self._drives = self._checked_drives()
-        self._zero_codes = self._drives[0].zero_code, self._drives[1].zero_code
-        self._heartbeat_ms = self._milliseconds("heartbeat", HEARTBEAT_MS)
-        self._watchdog_ms = self._milliseconds("watchdog", WATCHDOG_MS)
+        self._settings = given = settings(self.address, self.file, self.tick)
+        self._layout, self._drives, self._zero_codes = given.layout, given.drives, given.zero_codes
+        self._heartbeat_ms, self._watchdog_ms = given.heartbeat_ms, given.watchdog_ms
         self._beat_ticks = max(1, int(self._heartbeat_ms * 1e-3 / self.tick))
         self._silent_ticks = ceil(MISSED_HEARTBEATS * self._heartbeat_ms * 1e-3 / self.tick)
         self._proved = self._running = self._armed = False
@@ -89,7 +82,7 @@ class CanopenDevice(Device):
             heartbeat_ms=self._heartbeat_ms,
             watchdog_ms=self._watchdog_ms,
             producer=self.heartbeat,
-            timeout=PATIENCE if self.lockstep else self._timeout,
+            timeout=PATIENCE if self.lockstep else given.timeout,
         )
         first, second = self.file.joints
         found = set_up(
@@ -115,32 +108,6 @@ class CanopenDevice(Device):
         self._beat_time = 0.0
         self._forget_positions()
         self._answers: dict[int, SdoAnswer] = {}
-
-    def _checked_drives(self) -> tuple[VoltageDrive, VoltageDrive]:
-        drives = [joint.drive for joint in self.file.joints]
-        for drive in drives:
-            if not isinstance(drive, VoltageDrive):
-                raise InputError("a CANopen analogue output takes volts: give 'torque_constant'")
-            if abs(drive.decode(0)) > RESIDUAL_SHARE * self.file.limits.torque:
-                raise InputError(
-                    f"an output that drops to code 0 on an error would leave {drive.decode(0):.4g} "
-                    "N.m with this 'bias': trim the amplifier, so that 0 V is no torque"
-                )
-        assert isinstance(drives[0], VoltageDrive)
-        assert isinstance(drives[1], VoltageDrive)
-        return drives[0], drives[1]
-
-    @property
-    def _timeout(self) -> float:
-        return float(self.file.settings.get("timeout", TIMEOUT_SECONDS))
-
-    def _milliseconds(self, name: str, otherwise: int) -> int:
-        """A time of the device file, or one that suits the control rate."""
-        value = self.file.settings.get(name, otherwise)
-        least = ceil(self.tick * 1e3) * (LEAST_WATCHDOG_TICKS if name == "watchdog" else 1)
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
-            raise InputError(f"'settings.{name}' is a time in whole ms, 1 to 1000; not {value!r}")
-        return max(value, least)
 
     def _joined(self) -> CanBus:
         bus = open_bus(self.address, self.pulse)
@@ -282,7 +249,7 @@ class CanopenDevice(Device):
 
     def _preset(self, home: Pair) -> None:
         """Make positions count from joint angle zero, unless ``settings.preset`` is false."""
-        if not self.file.settings.get("preset", True):
+        if not self._settings.preset:
             return
         for encoder, joint, angle, span in zip(
             self._layout.encoders, self.file.joints, home, self._ranges, strict=True
