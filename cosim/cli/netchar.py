@@ -108,10 +108,11 @@ def probe_command(
     as_json: bool,
 ) -> None:
     """Send time-tagged packets to 'netchar serve' at SERVER (host:port) and say what came back."""
-    from cosim.link.netchar.probe import Probe
+    from cosim.link.netchar.probe import Probe, check_measurement
     from cosim.link.netchar.statistics import characterise
     from cosim.link.transport import Address, open_socket, refuse_open_network
 
+    check_measurement(rate, duration, size)
     address = Address.parse(server, "SERVER")
     refuse_open_network([address], has_key=key is not None)
     any_host = "::" if ":" in address.resolve()[1][0] else "0.0.0.0"

@@ -16,7 +16,18 @@ from types import TracebackType
 from typing import Any
 
 from cosim.errors import InputError, RunError
-from cosim.link.doorman import ALLOW, ARMED, DATAGRAM, KEYS, LIVE, QUIT, REFUSAL, START, STATUS
+from cosim.link.doorman import (
+    ALLOW,
+    ARMED,
+    DATAGRAM,
+    KEYS,
+    LIVE,
+    NOTE,
+    QUIT,
+    REFUSAL,
+    START,
+    STATUS,
+)
 from cosim.link.keys import SessionKeys
 from cosim.link.meeting import Start
 from cosim.link.peer_link import PeerLink
@@ -118,7 +129,9 @@ class Door:
         """
         end = None if timeout is None else time.monotonic() + timeout
         assert self._own is not None
-        self._own.send(ARMED)
+        # Where the other process has refused its settings, its message says why.
+        with contextlib.suppress(OSError):
+            self._own.send(ARMED)
         known = 0
         say(f"waiting for {', '.join(self.peers)}")
         while self.start is None:
@@ -215,6 +228,9 @@ class Door:
             case b"G":
                 _, epoch, first_tick = START.unpack(message)
                 self.start = Start(epoch, first_tick)
+            case _ if message[:1] == NOTE:
+                if say is not None:
+                    say(message[1:].decode())
             case _ if message[:1] == REFUSAL:
                 self._refuse(json.loads(message[1:]), say)
             case _:

@@ -25,6 +25,7 @@ from cosim.link.contract import Contract
 from cosim.link.handshake import Handshake
 from cosim.link.keys import NO_KEY, read_key_file
 from cosim.link.meeting import SYNC_EXCHANGES, Meeting
+from cosim.link.packet import MAGIC, VERSION
 from cosim.link.transport import LARGEST_READ, UdpTransport
 
 # Loop to door.
@@ -44,6 +45,8 @@ START = struct.Struct("<cxqq")
 """b"G", epoch (ns, own clock), first tick."""
 REFUSAL = b"R"
 """Followed by JSON: peer, differences."""
+NOTE = b"N"
+"""Followed by a sentence for who waits; nothing acts on it, for anybody may have caused it."""
 
 STEP = 0.004
 """Longest pause (s) before the door looks at its watch."""
@@ -120,6 +123,10 @@ class _Process:
         self.loop.setblocking(False)
         self.buffer = memoryview(bytearray(LARGEST_READ))
         self.live = False
+        self.strange = [0] * len(self.links)
+        """Datagrams from each peer's address that its handshake could not use."""
+        self.noted: set[str] = set()
+        self.fresh: list[bytes] = []
         self.parent = os.getppid()
 
     def run(self) -> None:
@@ -136,7 +143,7 @@ class _Process:
                     self._read(number, link)
             for peer, datagram in self.doorman.meeting.poll(time.monotonic_ns()):
                 self.links[peers.index(peer)].send(datagram)
-            for message in self.doorman.news():
+            for message in (*self.doorman.news(), *self._notes()):
                 # The loop may be busy; it asks often, and its buffer holds hundreds of these.
                 with contextlib.suppress(BlockingIOError):
                     self.loop.send(message)
@@ -152,9 +159,37 @@ class _Process:
         if len(datagram) < 24:
             return
         peer = self.doorman.peers[number]
+        if datagram[:2] == MAGIC and datagram[2] != VERSION:
+            self._note(
+                f"{peer} speaks version {datagram[2]} of the link's protocol, and this station "
+                f"version {VERSION}: run one version of cohaptic on both"
+            )
+        handshake = self.doorman.handshakes[peer]
+        before = handshake.dropped
         answer = self.doorman.meeting.receive(peer, datagram, arrived, time.monotonic_ns())
+        self.strange[number] += handshake.dropped - before
         if answer is not None:
             self.links[number].send(answer)
+
+    def _notes(self) -> list[bytes]:
+        """What to tell who waits, each sentence once."""
+        for number, (peer, link) in enumerate(zip(self.doorman.peers, self.links, strict=True)):
+            if self.live or self.doorman.handshakes[peer].session is not None:
+                continue
+            if link.refused > 20:
+                self._note(f"nothing listens at the address of {peer} so far")
+            if self.strange[number] > 3 and not any("version" in said for said in self.noted):
+                self._note(
+                    f"what comes from the address of {peer} does not fit the key: do both stations "
+                    "have the same key file, and each its own --as?"
+                )
+        fresh, self.fresh = self.fresh, []
+        return fresh
+
+    def _note(self, sentence: str) -> None:
+        if sentence not in self.noted:
+            self.noted.add(sentence)
+            self.fresh.append(NOTE + sentence.encode())
 
     def _hear(self) -> bool:
         """Take what the loop says; whether to go on."""

@@ -9,7 +9,7 @@ import struct
 import sys
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from cosim.errors import InputError
 from cosim.link.kernel_filter import attach, dropped, session_filter, size_filter
@@ -52,6 +52,10 @@ class Transport(Protocol):
         ...
 
 
+Place = tuple[socket.AddressFamily, tuple[Any, ...]]
+"""A family and what the system takes as an address there."""
+
+
 @dataclass(frozen=True, slots=True)
 class Address:
     """A host and a UDP port."""
@@ -68,16 +72,19 @@ class Address:
         """
         host, colon, port = text.rpartition(":")
         host = host.removeprefix("[").removesuffix("]")
-        if not colon or not host or not port.isdecimal() or not 0 <= int(port) < 65536:
+        if not colon or not host or not port.isdecimal():
             message = f"{what} is host:port, for example 127.0.0.1:47000, and not {text!r}"
+            raise InputError(message)
+        if int(port) > 65535:
+            message = f"{what} {text}: a port is a number up to 65535"
             raise InputError(message)
         return cls(host, int(port))
 
     def __str__(self) -> str:
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
-    def resolve(self) -> tuple[socket.AddressFamily, tuple[str, int]]:
-        """The family and numeric address.
+    def places(self) -> list[Place]:
+        """Every family and numeric address that the name stands for, the preferred one first.
 
         Raises:
             InputError: the host is unknown.
@@ -87,13 +94,17 @@ class Address:
         except OSError as error:
             message = f"the host {self.host} cannot be found: {error.strerror}"
             raise InputError(message) from None
-        family, _, _, _, place = found[0]
-        return family, (str(place[0]), int(place[1]))
+        return [(family, place) for family, _, _, _, place in found]
+
+    def resolve(self) -> Place:
+        """The preferred one of :meth:`places`."""
+        return self.places()[0]
 
     @property
     def is_loopback(self) -> bool:
         """Whether no other machine can reach it."""
-        return ipaddress.ip_address(self.resolve()[1][0].partition("%")[0]).is_loopback
+        hosts = (str(place[0]).partition("%")[0] for _, place in self.places())
+        return all(ipaddress.ip_address(host).is_loopback for host in hosts)
 
 
 def refuse_open_network(addresses: list[Address], *, has_key: bool) -> None:
@@ -119,9 +130,10 @@ def open_socket(listen: Address, peer: Address | None, *, shared: bool = False) 
     peer.
 
     Raises:
-        InputError: the address is in use or not of this machine.
+        InputError: the address is in use or not of this machine, or the peer's cannot be reached
+            from it.
     """
-    family, place = listen.resolve()
+    family, place, there = _one_family(listen, peer)
     link = socket.socket(family, socket.SOCK_DGRAM)
     try:
         link.setblocking(False)
@@ -130,13 +142,39 @@ def open_socket(listen: Address, peer: Address | None, *, shared: bool = False) 
         if shared:
             link.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         link.bind(place)
-        if peer is not None:
-            link.connect(peer.resolve()[1])
     except OSError as error:
         link.close()
         message = f"cannot listen on {listen}: {error.strerror}"
         raise InputError(message) from None
+    try:
+        if there is not None:
+            link.connect(there)
+    except OSError as error:
+        link.close()
+        message = f"cannot send from {listen} to {peer}: {error.strerror}"
+        raise InputError(message) from None
     return link
+
+
+def _one_family(
+    listen: Address, peer: Address | None
+) -> tuple[socket.AddressFamily, tuple[Any, ...], tuple[Any, ...] | None]:
+    """Addresses of both ends that can talk: names may stand for IPv4 and IPv6 addresses."""
+    if peer is None:
+        return *listen.resolve(), None
+    theirs = peer.places()
+    for family, place in listen.places():
+        for other, there in theirs:
+            if other != family:
+                continue
+            if place == there and listen.port:
+                message = (
+                    f"{listen} is this station's own address and the peer's: give each its own"
+                )
+                raise InputError(message)
+            return family, place, there
+    message = f"{listen} and {peer} are of two kinds, IPv4 and IPv6: give both of one"
+    raise InputError(message)
 
 
 class UdpTransport:

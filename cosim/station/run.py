@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from cosim.errors import InputError
 from cosim.link.clock import PhaseFollower
 from cosim.link.door import Door
+from cosim.link.keys import read_key_file
 from cosim.link.peer_link import PeerLink
 from cosim.link.receiver import Fate
 from cosim.link.remote import Grid, RemoteStation
@@ -90,6 +91,9 @@ def run_station(
     half = split(full, own)
     addresses = _addresses(half, arrangement.peers)
     refuse_open_network([arrangement.listen, *addresses], has_key=arrangement.key_file is not None)
+    if arrangement.key_file is not None:
+        # Only to refuse a bad one now: the key itself is for the process at the door.
+        read_key_file(arrangement.key_file)
     for sentence in half.dropped:
         say(f"left out at {own}: {sentence}")
     tick = 1 / scenario.base_rate

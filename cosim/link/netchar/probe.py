@@ -123,7 +123,7 @@ class Probe:
         Raises:
             InputError: rate, duration or size make no sense.
         """
-        count = _check(rate, duration, size)
+        count = check_measurement(rate, duration, size)
         assert self._sealer is not None
         self._forget_old()
         first = self._sent
@@ -209,7 +209,12 @@ class Probe:
             result.relay_last = (number, relay_count)
 
 
-def _check(rate: float, duration: float, size: int) -> int:
+def check_measurement(rate: float, duration: float, size: int) -> int:
+    """How many packets such a measurement sends.
+
+    Raises:
+        InputError: rate, duration or size make no sense.
+    """
     if not 0.1 <= rate <= 1e5:
         message = f"a rate of {rate:g} packets a second cannot be sent; 0.1 to 100000 can"
         raise InputError(message)
