@@ -374,7 +374,8 @@ def _feed(simulation: Any, rate: float, rings: list[Ring]) -> Feed:
 def _ending_with_the_loop(supervisor: int) -> Generator[None]:
     """Leave only when the supervisor has ended; whatever else ends this run ends it, too.
 
-    Ctrl-C reaches the loop by itself, a SIGTERM is handed on: the run ends at its next tick.
+    Signals to stop are handed on (from a terminal, Ctrl-C reaches the loop by itself as well): the
+    run ends at its next tick.
     """
 
     def hand_on(number: int, _: object) -> None:
@@ -382,7 +383,7 @@ def _ending_with_the_loop(supervisor: int) -> Generator[None]:
             os.kill(supervisor, number)
 
     before = {
-        signal.SIGINT: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        signal.SIGINT: signal.signal(signal.SIGINT, hand_on),
         signal.SIGTERM: signal.signal(signal.SIGTERM, hand_on),
     }
     try:

@@ -150,7 +150,14 @@ def _interruptible() -> Generator[None]:
         yield
         return
     stops = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, signal.default_int_handler) for number in stops]
+
+    def leave(_number: int, _frame: object) -> None:
+        # From a terminal the same wish comes several times, from every process of the run.
+        for stop in stops:
+            signal.signal(stop, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = [signal.signal(number, leave) for number in stops]
     try:
         yield
     finally:
