@@ -19,6 +19,7 @@ from hil.errors import ProtocolError
 from hil.linkage import Pair
 from hil.ports import SerialPort
 from hil.protocols.haply import IO_BYTES, REPLY_BYTES, Axis, angles, reset, setup, torques
+from hil.settings import pair_setting, setting
 
 DEVICE = 5
 """The board's address that the maker's examples use."""
@@ -36,11 +37,13 @@ class HaplyDevice(Device):
     _port: SerialPort | None = None
 
     def _open(self) -> None:
-        ports = numbers(self.address, "ports", 2, tuple(self.file.settings.get("ports", (2, 1))))
-        rotation = self.file.settings.get("rotation", (1, 1))
-        self._number = int(self.file.settings.get("device", DEVICE))
+        ports = numbers(self.address, "ports", 2, pair_setting(self.file, "ports", (2, 1)))
+        rotation = pair_setting(self.file, "rotation", (1, 1))
+        self._number = int(setting(self.file, "device", DEVICE))
         if len(set(ports)) != 2 or not all(1 <= port <= 4 for port in ports):
             raise InputError(f"the Haply ports {ports} have to be two different ones of 1 to 4")
+        if not set(rotation) <= {0, 1} or not 0 <= self._number <= 255:
+            raise InputError("a Haply's 'rotation' is 0 or 1, and its 'device' 0 to 255")
         self._axes = [
             Axis(port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn)
             for i, joint in enumerate(self.file.joints)

@@ -22,6 +22,7 @@ from hil.errors import BoardError, DeviceError
 from hil.linkage import Pair
 from hil.protocols import odrive as wire
 from hil.protocols.odrive import Command, identifier
+from hil.settings import setting
 
 FRAMES = (8, 4, 8, 4)
 """Data bytes on the bus in a tick: estimates and torque, per axis."""
@@ -74,7 +75,7 @@ class OdriveDevice(Device):
 
     def _limits(self) -> bytes:
         turns = self.file.limits.joint_speed / (2 * pi)
-        return wire.set_limits(turns, float(self.file.settings.get("current_limit", 10.0)))
+        return wire.set_limits(turns, setting(self.file, "current_limit", 10.0))
 
     def _set_watchdog(self, node: int) -> None:
         settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})

@@ -19,6 +19,7 @@ from hil.contract import ZERO, Sample, State, Watchdog
 from hil.device import Device
 from hil.errors import BoardError, DeviceGone
 from hil.linkage import Pair
+from hil.settings import setting
 from hil.vendor import fires, timeout_of, vendor, volts
 
 INSTALL = "install the Quanser SDK (github.com/quanser) with its Python packages"
@@ -62,7 +63,7 @@ class QuanserDevice(Device):
     def _prove_watchdog(self) -> None:
         """A card without a watchdog can be read and run dry; it is never given output."""
         card, rest = self._card, array("d", volts(self.file.joints, ZERO)[0])
-        digital = int(self.file.settings.get("digital_outputs", 0))
+        digital = int(setting(self.file, "digital_outputs", 0))
         tristate = self._module.DigitalState.TRISTATE
         try:
             card.watchdog_set_analog_expiration_state(self._outputs, 2, rest)

@@ -7,9 +7,11 @@ import math
 import pytest
 
 from cosim.errors import InputError
+from hil.address import parse as parse_url
 from hil.conversion import TorqueDrive, VoltageDrive
 from hil.device_file import PRESETS, load, parse, save
 from hil.limits import Limits
+from hil.registry import find
 
 GOOD = {
     "cohaptic_device": 1,
@@ -94,3 +96,22 @@ def test_presets_are_the_pantograph_fmus():
         assert preset["geometry"]["distal"] == known["distal_length"][index], name
         assert preset["geometry"]["base"] == known["base_distance"][index], name
         assert preset["counts_per_turn"] == known["encoder_counts"][index], name
+
+
+@pytest.mark.parametrize(
+    ("driver", "settings", "named"),
+    [
+        ("haply", {"ports": 5}, r"settings\.ports"),
+        ("haply", {"ports": [1, "2"]}, r"settings\.ports"),
+        ("haply", {"rotation": None}, r"settings\.rotation"),
+        ("haply", {"device": "five"}, r"settings\.device"),
+        ("haply", {"device": math.nan}, r"settings\.device"),
+        ("haply", {"device": 300}, "0 to 255"),
+        ("haply", {"rotation": [1, 2]}, "0 or 1"),
+    ],
+)
+def test_a_drivers_own_settings_are_checked_too(driver, settings, named):
+    file = parse({"driver": driver, "settings": settings})
+    device = find(driver)(parse_url(f"{driver}://x"), file)
+    with pytest.raises(InputError, match=named):
+        device.configure()
