@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from hil.live import Feed, Watcher
+    from hil.live import Feed
+    from hil.watcher import Watcher
 
 SHOW_SECONDS = 0.1
 
@@ -29,7 +30,10 @@ class Console:
         if now - self._shown < SHOW_SECONDS or not feed.published:
             return
         self._shown = now
-        self._watcher = self._watcher or feed.watch()
+        if self._watcher is None:
+            from hil.watcher import Watcher
+
+            self._watcher = Watcher(feed.path)
         status = self._watcher.status()
         if status is not None:
             width = shutil.get_terminal_size().columns - 1

@@ -24,8 +24,9 @@ from cosim.cli.live import choose
 from cosim.cli.plot import HEIGHT, plot
 from cosim.errors import InputError
 from hil.contract import Cause, State
-from hil.live import Feed, StatusWriter, Watcher, find_feed
+from hil.live import Feed, StatusWriter
 from hil.ring import Ring
+from hil.watcher import Watcher, find_feed
 
 LATENESS = SimpleNamespace(misses=3, slipped=4, worst=1_500_000)
 COLUMNS = [
@@ -95,7 +96,7 @@ def test_the_force_at_the_tip_does_the_work_of_the_torques(x, y, first, second):
 WATCHING = """
 import json, sys, time
 from pathlib import Path
-from hil.live import Watcher
+from hil.watcher import Watcher
 with Watcher(Path(sys.argv[1])) as watcher:
     watcher.watch(["vr.box.x", "vr.contacts"])
     print("watching", flush=True)
