@@ -50,6 +50,8 @@ def link_of(folder: Path) -> dict:
     return json.loads((folder / "manifest.json").read_text())["link"]
 
 
+NAMES = ("station_a", "station_b")
+ONE_SAMPLE = 1.0 / 128.0
 STALLED = 0.1
 """A loop that was once so late (s) has cost its peer more than a tenth of the run."""
 
@@ -107,6 +109,10 @@ def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
         own = b["vr_b.box_pose.x"].values[first:]
         assert np.array_equal(both["vr_b.box_pose.x"].values, own[: facts["ticks"]])
         assert "vr_a.box_pose.x" in both
+    manifests = [json.loads((tmp_path / n / "manifest.json").read_text()) for n in NAMES]
+    worst = max(manifest["deadlines"]["worst"] for manifest in manifests)
+    if worst > ONE_SAMPLE:
+        pytest.skip(f"a loop was {worst * 1e3:.1f} ms late, so its ticks were not the simulation's")
     check_prediction(tmp_path, Path(facts["measured"]))
 
 
