@@ -1,4 +1,4 @@
-"""A coupler with a computation delay gives the same bits without feedthrough: no loop through it."""
+"""A coupler with a computation delay gives the same bits without feedthrough, so no loop."""
 
 from __future__ import annotations
 
