@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cosim.link.bundle import Bundle, Field
 from cosim.link.packet import HEADER, DataWriter, Opener, Sealer
 from cosim.link.receiver import WINDOW, Fate, Receiver, ReceiverSettings, Release
-from tests.link.support import OTHER_KEY, PERIOD, Pair, both_ends, make_pair, small_bundle
+from tests.link.support import OTHER_KEY, PERIOD, TICK, Pair, both_ends, make_pair, small_bundle
 
 
 def test_a_packet_is_shown_at_the_next_network_sample_and_not_before(pair: Pair) -> None:
@@ -228,3 +229,27 @@ def test_a_hundred_thousand_bad_packets_change_nothing(pair: Pair, kind: str) ->
     assert not pair.receiver.release(4104)
     assert held == (pair.receiver.tick, pair.receiver.sequence, pair.receiver.values.tobytes())
     assert pair.receiver.accept(memoryview(good), 4097) is Fate.ACCEPTED
+
+
+@pytest.mark.parametrize(
+    ("value", "fate"),
+    [
+        (math.inf, Fate.OUT_OF_RANGE),
+        (-math.inf, Fate.OUT_OF_RANGE),
+        (math.nan, Fate.OUT_OF_RANGE),
+        (1.7e308, Fate.OUT_OF_RANGE),
+        (8.0e307, Fate.ACCEPTED),
+        (-8.0e307, Fate.ACCEPTED),
+    ],
+)
+def test_a_field_without_a_range_is_finite_all_the_same(value: float, fate: Fate) -> None:
+    bundle = Bundle(source="a", target="b", fields=(Field(name="v"),), period=PERIOD, tick=TICK)
+    a, b = both_ends()
+    receiver = Receiver(bundle, ReceiverSettings())
+    receiver.renew(Opener(b.incoming, b.session))
+    writer = DataWriter(Sealer(a.outgoing, a.session), 0, 1)
+    for tick, sent in ((0, -8.0e307), (8, value)):
+        writer.values[:] = sent
+        writer.seal(tick, 1)
+        found = receiver.accept(writer.datagram, tick + 1)
+    assert found is fate
