@@ -23,6 +23,10 @@ from hil.emulators.world import World
 from hil.realtime import freeze_garbage, real_time_priority
 
 
+PATIENCE = 600.0
+"""Seconds to wait for an emulator's first word; one that dies is noticed at once."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
     """What to emulate; everything in it can be sent to another process."""
@@ -163,7 +167,9 @@ class Emulator:
         theirs.close()
         try:
             said: dict[str, Any] = (
-                self._lifeline.recv() if self._lifeline.poll(60) else {"error": "it says nothing"}
+                self._lifeline.recv()
+                if self._lifeline.poll(PATIENCE)
+                else {"error": "it says nothing"}
             )
         except EOFError:
             said = {"error": "it died at once"}
