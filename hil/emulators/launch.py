@@ -22,7 +22,6 @@ from hil.emulators.server import Server
 from hil.emulators.world import World
 from hil.realtime import freeze_garbage, real_time_priority
 
-
 PATIENCE = 600.0
 """Seconds to wait for an emulator's first word; one that dies is noticed at once."""
 
