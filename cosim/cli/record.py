@@ -92,14 +92,16 @@ def list_command(run: Path, *, as_json: bool) -> None:
 
 @command.command("export")
 @RUN
-@click.option("--format", "kind", default="csv", help="csv, mat or parquet. [default: csv]")
+@click.option(
+    "--format", "kind", default="csv", help="csv, mat, mcap, mf4 or parquet. [default: csv]"
+)
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Folder. [default: export in the run's folder]"
 )
 @click.option("--held", is_flag=True, help="One table at the fastest rate, slower signals held.")
 @JSON
 def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_json: bool) -> None:
-    """Write a run as csv, mat or parquet; held signals stay held, nothing is interpolated."""
+    """Write a run as csv, mat, mcap, mf4 or parquet; held signals stay held."""
     from cosim.record import open_run
     from cosim.record.export import export
 

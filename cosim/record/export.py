@@ -1,56 +1,29 @@
 """A run in other formats. Nothing is interpolated: each group keeps its own rows and ticks.
 
-``csv`` and ``parquet`` get one file for each group, ``mat`` one file with a struct for each group;
-a file's first columns are the base tick and the time (s). With ``held`` everything is put on the
-fastest group's rows instead, slower signals held as they were, in one table.
+``csv`` and ``parquet`` get one file for each group; ``mat``, ``mf4`` and ``mcap`` one file with a
+struct, a channel group or a topic for each. The first columns are the base tick and the time (s).
+With ``held`` everything is put on the fastest group's rows instead, slower signals held as they
+were, in one table.
 """
 
 from __future__ import annotations
 
 import csv
-import importlib
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cosim.errors import InputError
-from cosim.record.reader import Run, Signal, Values
+from cosim.record.export_mcap import write_mcap
+from cosim.record.export_mdf import write_mdf
+from cosim.record.export_table import Table, needed
+from cosim.record.reader import Run
 
 MATLAB_NAME_LENGTH = 63
 """Longest name of a struct's field in MATLAB."""
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Signals that share their rows; ``period`` is in base ticks."""
-
-    name: str
-    run: Run
-    period: int
-    rows: int
-    signals: tuple[Signal, ...]
-
-    def ticks(self, first: int, last: int) -> NDArray[np.int64]:
-        """Base ticks of rows ``first`` to ``last``."""
-        return np.arange(first, last, dtype=np.int64) * self.period
-
-    def values(self, signal: Signal, first: int, last: int) -> Values:
-        """A signal's values in rows ``first`` to ``last``, held where it is slower."""
-        if signal.group.period == self.period:
-            return signal[first:last]
-        rows = self.ticks(first, last) // signal.group.period
-        return signal[int(rows[0]) : int(rows[-1]) + 1][rows - rows[0]]
-
-    def pieces(self) -> Iterator[tuple[int, int]]:
-        """Ranges of rows that fit into memory whatever the number of signals."""
-        size = max(1, (1 << 20) // (len(self.signals) + 2))
-        for first in range(0, self.rows, size):
-            yield first, min(first + size, self.rows)
 
 
 def export(run: Run, kind: str, folder: Path, *, held: bool = False) -> list[Path]:
@@ -116,7 +89,7 @@ def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
     rate = tables[0].run.base_rate
     content["base_rate"] = np.array([[rate.numerator, rate.denominator]], np.int64)
     path = folder / "run.mat"
-    _needed("mat", "scipy.io").savemat(
+    needed("mat", "scipy.io").savemat(
         path, content, long_field_names=True, do_compression=True, oned_as="column"
     )
     return [path]
@@ -124,7 +97,7 @@ def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
 
 def _write_parquet(tables: list[Table], folder: Path) -> list[Path]:
     """Columns with their units as field metadata; base rate and period as the table's."""
-    arrow, parquet = _needed("parquet", "pyarrow"), _needed("parquet", "pyarrow.parquet")
+    arrow, parquet = needed("parquet", "pyarrow"), needed("parquet", "pyarrow.parquet")
     paths: list[Path] = []
     for table in tables:
         fields = [arrow.field("tick", arrow.int64()), arrow.field("time", arrow.float64())]
@@ -143,17 +116,6 @@ def _write_parquet(tables: list[Table], folder: Path) -> list[Path]:
                 writer.write_batch(arrow.record_batch(arrays, schema=schema))
         paths.append(path)
     return paths
-
-
-def _needed(kind: str, module: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        package = module.partition(".")[0]
-        raise InputError(
-            f"{kind} needs the package {package}: install cohaptic[export], or pip install "
-            f"{package}."
-        ) from None
 
 
 def matlab_names(names: list[str]) -> list[str]:
@@ -178,5 +140,7 @@ def matlab_names(names: list[str]) -> list[str]:
 EXPORTERS: Mapping[str, Callable[[list[Table], Path], list[Path]]] = {
     "csv": _write_csv,
     "mat": _write_mat,
+    "mcap": write_mcap,
+    "mf4": write_mdf,
     "parquet": _write_parquet,
 }

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import csv
+import re
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,8 @@ from scipy.io import loadmat
 from cosim.errors import InputError
 from cosim.record import open_run
 from cosim.record.export import MATLAB_NAME_LENGTH, export, matlab_names
+from cosim.record.export_mcap import ros_names
+from cosim.record.export_table import Table
 
 
 def read_csv(path: Path) -> tuple[list[str], list[str], np.ndarray]:
@@ -77,8 +82,68 @@ def test_matlab_names_are_valid_and_different(names: list[str]) -> None:
         assert len(name) <= MATLAB_NAME_LENGTH
 
 
+@pytest.mark.filterwarnings("default")
+def test_mf4_reads_back_with_units_and_rates(small_run: Path) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    with open_run(small_run) as run:
+        (path,) = export(run, "mf4", small_run / "out")
+        with asammdf.MDF(path) as file:
+            assert [group.channel_group.acq_name for group in file.groups] == ["control", "network"]
+            for name in ("a.ramp", "a.sine", "a.state", "lan.held"):
+                signal = file.get(name)
+                assert signal.samples.dtype == run[name].values.dtype
+                assert (signal.samples == run[name].values).all()
+                assert (signal.timestamps == run.seconds(run[name].group.ticks)).all()
+            assert file.get("a.sine").unit == "N"
+            assert (file.get("tick", group=1).samples == run.groups["network"].ticks).all()
+
+
+@pytest.mark.filterwarnings("default")
+def test_mf4_in_pieces_is_the_same(small_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    monkeypatch.setattr(Table, "pieces", in_threes)
+    with open_run(small_run) as run:
+        (path,) = export(run, "mf4", small_run / "out")
+        with asammdf.MDF(path) as file:
+            assert (file.get("a.sine").samples == run["a.sine"].values).all()
+            assert (file.get("lan.held").samples == run["lan.held"].values).all()
+
+
+def in_threes(table: Table) -> Iterator[tuple[int, int]]:
+    """Three pieces of unequal size."""
+    edges = (0, table.rows // 4, table.rows // 2, table.rows)
+    yield from pairwise(edges)
+
+
+@pytest.mark.filterwarnings("default")
+def test_mcap_is_read_by_the_ros_2_decoder(small_run: Path) -> None:
+    reader = pytest.importorskip("mcap_ros2.reader")
+    with open_run(small_run) as run:
+        (path,) = export(run, "mcap", small_run / "out")
+        seen: dict[str, list[Any]] = {}
+        for message in reader.read_ros2_messages(str(path)):
+            row = message.ros_msg
+            assert message.log_time_ns == row.tick * 10**9 // 1024
+            seen.setdefault(message.channel.topic, []).append(row)
+        control, network = seen["/control"], seen["/network"]
+        assert [row.a_sine for row in control] == run["a.sine"].values.tolist()
+        assert [row.a_state for row in control] == run["a.state"].values.tolist()
+        assert [row.lan_held for row in network] == run["lan.held"].values.tolist()
+        assert [row.tick for row in network] == run.groups["network"].ticks.tolist()
+
+
+@given(st.lists(st.text(min_size=1, max_size=40), unique=True, max_size=6))
+def test_ros_names_are_valid_and_different(names: list[str]) -> None:
+    found = ros_names(names)
+    assert len(set(found)) == len(names)
+    assert all(re.fullmatch(r"[a-z]([a-z0-9]|_(?!_))*(?<!_)", name) for name in found)
+
+
 def test_an_unknown_format_lists_those_there_are(small_run: Path) -> None:
-    with open_run(small_run) as run, pytest.raises(InputError, match="csv, mat, parquet"):
+    with (
+        open_run(small_run) as run,
+        pytest.raises(InputError, match="mcap, mf4, parquet"),
+    ):
         export(run, "xls", small_run / "out")
 
 
