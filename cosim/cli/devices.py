@@ -3,18 +3,42 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
     from hil.session import Session
 
+Command = Callable[..., Any]
 
-dead_man_option = click.option(
-    "--dead-man",
-    metavar="SOURCE",
-    help="Force lasts only while this input is held: 'device', or evdev:/dev/input/eventN?key=57.",
+
+def output_options(command: Command) -> Command:
+    """The options of a command that runs devices: where its loop runs, and who allows force."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+_OPTIONS: tuple[Callable[[Command], Command], ...] = (
+    click.option(
+        "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
+    ),
+    click.option(
+        "--enable-output",
+        is_flag=True,
+        help="Let devices produce force; without it the torque is computed and zero is sent.",
+    ),
+    click.option(
+        "--dead-man",
+        metavar="SOURCE",
+        help="Force lasts only while this input is held: 'device', or "
+        "evdev:/dev/input/eventN?key=57.",
+    ),
+    click.option(
+        "--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones."
+    ),
 )
 
 

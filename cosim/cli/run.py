@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from cosim.cli.console import Console, ended
-from cosim.cli.devices import dead_man_option
+from cosim.cli.devices import output_options
 
 if TYPE_CHECKING:
     from cosim.master.simulation import Progress
@@ -50,16 +50,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="What a missed deadline means, with --realtime.",
 )
-@click.option(
-    "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
-)
-@click.option(
-    "--enable-output",
-    is_flag=True,
-    help="Let devices produce force; without it the torque is computed and zero is sent.",
-)
-@click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
-@dead_man_option
+@output_options
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
     scenario: str,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from cosim.cli.console import Console, ended
-from cosim.cli.devices import dead_man_option
+from cosim.cli.devices import output_options
 
 if TYPE_CHECKING:
     from cosim.link.transport import Address
@@ -52,16 +52,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="What a missed deadline means.",
 )
-@click.option(
-    "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
-)
-@click.option(
-    "--enable-output",
-    is_flag=True,
-    help="Let devices produce force; without it the torque is computed and zero is sent.",
-)
-@dead_man_option
-@click.option("--yes", is_flag=True, help="Confirm the output of emulators that prove to be ones.")
+@output_options
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from itertools import count
-from math import ceil, pi
+from math import ceil
 from time import monotonic
 from typing import ClassVar
 
@@ -26,6 +26,7 @@ from hil.canopen.zero_check import ZeroCheck
 from hil.contract import BusUse, Sample, State, Watchdog
 from hil.device import Device
 from hil.device_file import DeviceFile
+from hil.drivers.samples import sample_of_counts
 from hil.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.linkage import Pair
 from hil.ports import PATIENCE
@@ -159,15 +160,7 @@ class CanopenDevice(Device):
         for joint in (0, 1):
             self._unwrap(joint, raw[joint])
         self._sequence += 1
-        first, second = (
-            2 * pi * units / joint.counts_per_turn
-            for units, joint in zip(self._units, self.file.joints, strict=True)
-        )
-        return Sample(
-            shaft_angle=(first, second),
-            count=(self._units[0], self._units[1]),
-            sequence=self._sequence,
-        )
+        return sample_of_counts(self.file.joints, (self._units[0], self._units[1]), self._sequence)
 
     def _positions(self, bus: CanBus) -> dict[int, int] | None:
         """Positions by joint, of this tick's SYNC and nothing else; all of them or none."""

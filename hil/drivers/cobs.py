@@ -6,13 +6,13 @@ drops its torque by itself when no valid command has come for ``WATCHDOG_MS``.
 
 from __future__ import annotations
 
-from math import pi
 from typing import ClassVar
 
 from cosim.errors import InputError
 from hil.contract import ZERO, Sample, State, Watchdog
 from hil.conversion import TorqueDrive
 from hil.device import Device
+from hil.drivers.samples import sample_of_counts
 from hil.errors import BoardError, DeviceError
 from hil.limits import HOLD_TICKS
 from hil.linkage import Pair
@@ -63,15 +63,8 @@ class CobsDevice(Device):
         if behind > HOLD_TICKS:
             return None  # an answer from long ago (or to nobody's question) is no new sample
         self._seen += 1
-        first, second = (
-            2 * pi * count / joint.counts_per_turn
-            for count, joint in zip(newest.count, self.file.joints, strict=True)
-        )
-        return Sample(
-            shaft_angle=(first, second),
-            count=newest.count,
-            sequence=self._seen,
-            device_time=newest.microseconds * 1e-6,
+        return sample_of_counts(
+            self.file.joints, newest.count, self._seen, device_time=newest.microseconds * 1e-6
         )
 
     def _check(self, newest: Reply) -> None:

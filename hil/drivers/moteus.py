@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Coroutine
-from math import isfinite, nan, pi
+from math import isfinite, nan
 from typing import Any, ClassVar
 
 from cosim.errors import InputError
@@ -20,6 +20,7 @@ from hil.address import number, numbers
 from hil.contract import ZERO, Sample, State, Watchdog
 from hil.conversion import TorqueDrive
 from hil.device import Device
+from hil.drivers.samples import sample_of_turns
 from hil.errors import BoardError, DeviceError, DeviceGone, ProtocolError
 from hil.linkage import Pair
 from hil.vendor import fires, timeout_of, vendor
@@ -128,15 +129,7 @@ class MoteusDevice(Device):
         if set(self._modes.values()) == {STOPPED}:
             self.zeros_confirmed += 1
         self._sequence += 1
-        first, second = (
-            round(turn * joint.counts_per_turn)
-            for turn, joint in zip(turns, self.file.joints, strict=True)
-        )
-        return Sample(
-            shaft_angle=(2 * pi * turns[0], 2 * pi * turns[1]),
-            count=(first, second),
-            sequence=self._sequence,
-        )
+        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
 
     def _send(self, tick: int, torque: Pair) -> Pair:
         commands: list[Any] = []

@@ -9,36 +9,29 @@ documentation.
 
 from __future__ import annotations
 
-from math import pi
-from typing import Any, ClassVar
+from typing import Any
 
 from cosim.errors import InputError
 from hil.address import numbers
-from hil.contract import ZERO, Sample, State, Watchdog
-from hil.device import Device
+from hil.contract import Sample, State
+from hil.drivers.card import CardDevice
+from hil.drivers.samples import sample_of_counts
 from hil.errors import BoardError, DeviceGone
 from hil.linkage import Pair
-from hil.vendor import fires, timeout_of, vendor, volts
+from hil.vendor import fires, timeout_of, vendor
 
 INSTALL = "run 'pip install nidaqmx' and install NI-DAQmx"
 READ_SECONDS = 0.005
 """How long a call may wait for the card."""
 
 
-class NidaqmxDevice(Device):
+class NidaqmxDevice(CardDevice):
     """``?counters=0,1&outputs=0,1`` are numbers of the card's ``ctrN`` and ``aoN``."""
 
     driver = "nidaqmx"
-    shares_port: ClassVar[bool] = False
 
     _output: Any = None
     _guard_task: Any = None
-    _proved: bool = False
-
-    @property
-    def watchdog(self) -> Watchdog:
-        """The card's own, where it has one that was seen to fire."""
-        return Watchdog(timeout=self._timeout if self._proved else None, verified=self._proved)
 
     def _open(self) -> None:
         if not self.address.place:
@@ -56,7 +49,7 @@ class NidaqmxDevice(Device):
                 self._counter(number) for number in numbers(self.address, "counters", 2, (0, 1))
             ]
             self._output = self._analogue_output()
-            self._write(volts(self.file.joints, ZERO)[0])
+            self._write(self._rest)
         except self._error as error:
             raise DeviceGone(f"the card {self.address.place}: {error}") from error
         self._prove_watchdog()
@@ -92,14 +85,14 @@ class NidaqmxDevice(Device):
             task = system.WatchdogTask(self.address.place, timeout=self._timeout)
             self._tasks.append(task)
             voltage = self._constants.WatchdogAOExpirState.VOLTAGE
-            rest = zip(self._channels(), volts(self.file.joints, ZERO)[0], strict=True)
+            rest = zip(self._channels(), self._rest, strict=True)
             task.cfg_watchdog_ao_expir_states(
                 [system.AOExpirationState(name, value, voltage) for name, value in rest]
             )
             task.start()
             fired = fires(lambda: bool(task.expired), self.pause, self._timeout / self.tick)
             task.clear_expiration()
-            self._write(volts(self.file.joints, ZERO)[0])
+            self._write(self._rest)
             task.reset_timer()
             self._guard_task, self._proved = task, fired
         except self._error:
@@ -107,28 +100,11 @@ class NidaqmxDevice(Device):
 
     def _receive(self) -> Sample | None:
         try:
-            ticks = [float(task.read(timeout=READ_SECONDS)) for task in self._counters]
+            first, second = (round(task.read(timeout=READ_SECONDS)) for task in self._counters)
         except self._error as error:
             raise DeviceGone(f"the card does not answer: {error}") from error
-        first, second = (
-            2 * pi * count / joint.counts_per_turn
-            for count, joint in zip(ticks, self.file.joints, strict=True)
-        )
         self._sequence += 1
-        return Sample(
-            shaft_angle=(first, second),
-            count=(round(ticks[0]), round(ticks[1])),
-            sequence=self._sequence,
-        )
-
-    def _send(self, tick: int, torque: Pair) -> Pair:
-        voltage, given = volts(self.file.joints, torque)
-        self._put(voltage)
-        return given
-
-    def _send_zero(self) -> None:
-        self._put(volts(self.file.joints, ZERO)[0])
-        self.zeros_confirmed += 1  # the call returns once the card has it
+        return sample_of_counts(self.file.joints, (first, second), self._sequence)
 
     def _put(self, voltage: Pair) -> None:
         try:

@@ -18,6 +18,7 @@ from hil.contract import ZERO, BusUse, Sample, State, Watchdog
 from hil.conversion import TorqueDrive
 from hil.device import Device
 from hil.device_file import DeviceFile
+from hil.drivers.samples import sample_of_turns
 from hil.errors import BoardError, DeviceError
 from hil.linkage import Pair
 from hil.protocols import odrive as wire
@@ -102,15 +103,7 @@ class OdriveDevice(Device):
             self._seen[node] = frame[0]
             turns.append(wire.estimates(frame[1])[0])
         self._sequence += 1
-        first, second = (
-            round(turn * joint.counts_per_turn)
-            for turn, joint in zip(turns, self.file.joints, strict=True)
-        )
-        return Sample(
-            shaft_angle=(2 * pi * turns[0], 2 * pi * turns[1]),
-            count=(first, second),
-            sequence=self._sequence,
-        )
+        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
 
     def _take_heartbeats(self, bus: CanBus) -> None:
         fresh = 0

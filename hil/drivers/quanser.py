@@ -10,22 +10,22 @@ HIL Python API documentation.
 from __future__ import annotations
 
 from array import array
-from math import pi
-from typing import Any, ClassVar
+from typing import Any
 
 from cosim.errors import InputError
 from hil.address import numbers
-from hil.contract import ZERO, Sample, State, Watchdog
-from hil.device import Device
+from hil.contract import Sample, State
+from hil.drivers.card import CardDevice
+from hil.drivers.samples import sample_of_counts
 from hil.errors import BoardError, DeviceGone
 from hil.linkage import Pair
 from hil.settings import setting
-from hil.vendor import fires, timeout_of, vendor, volts
+from hil.vendor import fires, timeout_of, vendor
 
 INSTALL = "install the Quanser SDK (github.com/quanser) with its Python packages"
 
 
-class QuanserDevice(Device):
+class QuanserDevice(CardDevice):
     """``?encoders=0,1&outputs=0,1`` are channels.
 
     ``settings`` may give ``watchdog.timeout`` (s), and ``digital_outputs``: how many of them go
@@ -33,15 +33,8 @@ class QuanserDevice(Device):
     """
 
     driver = "quanser"
-    shares_port: ClassVar[bool] = False
 
     _card: Any = None
-    _proved: bool = False
-
-    @property
-    def watchdog(self) -> Watchdog:
-        """The card's own, once it was seen to fire."""
-        return Watchdog(timeout=self._timeout if self._proved else None, verified=self._proved)
 
     def _open(self) -> None:
         self._module = vendor("quanser.hardware", driver=self.driver, install=INSTALL)
@@ -55,14 +48,14 @@ class QuanserDevice(Device):
         try:
             self._card = self._module.HIL(kind, identifier or "0")
             self._card.watchdog_clear()
-            self._write(volts(self.file.joints, ZERO)[0])
+            self._write(self._rest)
         except self._module.HILError as error:
             raise DeviceGone(f"the card {self.address.place}: {_message(error)}") from error
         self._prove_watchdog()
 
     def _prove_watchdog(self) -> None:
         """A card without a watchdog can be read and run dry; it is never given output."""
-        card, rest = self._card, array("d", volts(self.file.joints, ZERO)[0])
+        card, rest = self._card, array("d", self._rest)
         digital = int(setting(self.file, "digital_outputs", 0))
         tristate = self._module.DigitalState.TRISTATE
         try:
@@ -74,7 +67,7 @@ class QuanserDevice(Device):
             card.watchdog_start(self._timeout)
             fired = fires(card.watchdog_is_expired, self.pause, self._timeout / self.tick)
             card.watchdog_clear()
-            self._write(volts(self.file.joints, ZERO)[0])
+            self._write(self._rest)
             card.watchdog_start(self._timeout)
             self._proved = bool(fired)
         except self._module.HILError:
@@ -86,25 +79,8 @@ class QuanserDevice(Device):
         except self._module.HILError as error:
             raise DeviceGone(f"the card does not answer: {_message(error)}") from error
         first, second = self._counts
-        shaft = (
-            2 * pi * count / joint.counts_per_turn
-            for count, joint in zip((first, second), self.file.joints, strict=True)
-        )
         self._sequence += 1
-        return Sample(
-            shaft_angle=(next(shaft), next(shaft)),
-            count=(first, second),
-            sequence=self._sequence,
-        )
-
-    def _send(self, tick: int, torque: Pair) -> Pair:
-        voltage, given = volts(self.file.joints, torque)
-        self._put(voltage)
-        return given
-
-    def _send_zero(self) -> None:
-        self._put(volts(self.file.joints, ZERO)[0])
-        self.zeros_confirmed += 1  # the call returns once the card has it
+        return sample_of_counts(self.file.joints, (first, second), self._sequence)
 
     def _put(self, voltage: Pair) -> None:
         try:
