@@ -70,16 +70,21 @@ THERE = Impairment(delay=0.040, jitter=0.008, loss=0.04)
 BACK = Impairment(delay=0.025, jitter=0.005, loss=0.02)
 
 
+def check_losses(found, forward, backward) -> None:
+    """Losses to the packet; nothing was forged."""
+    assert found.loss.packets == forward.lost + backward.lost
+    assert found.forged == 0
+
+
 def check_recovered(found, forward, backward, delays=None) -> None:
     """Delay and jitter within 5 % of what was injected, losses to the packet."""
     delays = [np.array(way) for way in delays or (forward.delays, backward.delays)]
+    check_losses(found, forward, backward)
     assert found.round_trip.mean == pytest.approx(sum(d.mean() for d in delays), rel=0.05)
     assert found.forward.rms_jitter == pytest.approx(delays[0].std(), rel=0.05)
     assert found.backward.rms_jitter == pytest.approx(delays[1].std(), rel=0.05)
-    assert found.loss.packets == forward.lost + backward.lost
     # Which way a packet was lost is told up to what overtook at both ends of the measurement.
     assert found.loss.forward == pytest.approx(forward.lost, rel=0.2, abs=12)
-    assert found.forged == 0
 
 
 def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> None:
@@ -141,7 +146,7 @@ def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> Me
         nonlocal looks
         there, back = proxy.forward.injected, proxy.backward.injected
         over = len(there.outcomes) == count and relay.received == there.passed
-        over = over and len(back.outcomes) == relay.received and proxy.idle
+        over = over and len(back.outcomes) >= relay.received and proxy.idle
         # Two looks, so that the last packet has been read in between.
         looks = looks + 1 if over else 0
         return looks > 2
@@ -149,18 +154,34 @@ def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> Me
     return probe.measure(rate=300, duration=count / 300, wait=120.0, stop=done)
 
 
+STALL = 2e-3
+"""A machine that once released a packet so late (s) may as well stall between stamp and sending."""
+
+
+@pytest.mark.slow
 def test_what_a_proxy_did_to_each_packet_is_recovered_through_real_sockets() -> None:
-    """Against the delays that the proxy really made, so that the machine's own cancel out."""
+    """Against the delays that the proxy really made, so that the machine's own cancel out.
+
+    Not in the proxy's book is a stall between a packet's stamp and its sending: where releases show
+    that the machine stalls, the times are void and the losses are not.
+    """
     with relay_behind(THERE, BACK) as (address, proxy, relay), open_socket(LOCAL, address) as link:
         probe = Probe(link, KEY)
         probe.connect(timeout=60.0)
-        found = characterise(measured_through(proxy, relay, probe, 900))
-        late = np.sqrt(np.mean(np.square(proxy.lateness)))
-    # What is not in the proxy's book is a stall between a stamp and its sending, some 20 us of each
-    # packet: a hundredth of what stalls do to the proxy's releases, of which this is the measure.
-    if late > 3e-3:
-        pytest.skip(f"this machine stalls: releases were {late:.4f} s late (rms)")
-    check_recovered(found, proxy.forward.injected, proxy.backward.injected, proxy.delays)
+        # Answers to greetings that were sent twice come back in here, if there are any.
+        measured_through(proxy, relay, probe, 60)
+        for _ in range(3):
+            found = characterise(measured_through(proxy, relay, probe, 900))
+            injected = proxy.forward.injected, proxy.backward.injected
+            check_losses(found, *injected)
+            try:
+                check_recovered(found, *injected, proxy.delays)
+            except AssertionError:
+                if max(proxy.lateness) < STALL:
+                    raise
+            else:
+                return
+    pytest.skip(f"this machine stalls: a release was {max(proxy.lateness):.4f} s late")
 
 
 @pytest.mark.slow
