@@ -29,7 +29,7 @@ class NativeBuildHook(BuildHookInterface[Any]):
 
             for name in build_all():
                 self.app.display_info(f"Built the FMUs of {name}")
-            kernel = _load(root / "cosim" / "master" / "build.py")
+            kernel = _load(root / "cosim" / "master" / "kernel" / "build.py")
             for platform in PLATFORMS:
                 kernel.build_kernel(platform)
         finally:
@@ -37,7 +37,7 @@ class NativeBuildHook(BuildHookInterface[Any]):
         build_data["artifacts"] += [
             "/fmus/_built/*.fmu",
             "/fmus/_built/*.json",
-            "/cosim/master/_built/*",
+            "/cosim/master/kernel/_built/*",
         ]
 
 

@@ -30,11 +30,11 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hil"))
 from driver_bench import Bench
 from hil_bench import Puppet, mock
 
-from cosim.master.pacing import DeadlinePacer
-from hil.component import REST_TICKS
-from hil.contract import ZERO
-from hil.device import Device
-from hil.realtime import clock_nanosleep, prepare_loop
+from cosim.master.run.pacing import DeadlinePacer
+from hil.device.component import REST_TICKS
+from hil.device.contract import ZERO
+from hil.device.device import Device
+from hil.realtime.system import clock_nanosleep, prepare_loop
 
 TICK = Fraction(1, 1024)
 EMULATOR_PRIORITY = 65

@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.master.native import Kind, OperationStruct
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import Simulation, assemble
+from cosim.base.recording import MemorySink
+from cosim.master.kernel.native import Kind, OperationStruct
+from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
 from fmus.compiler import compile_library, host_platform
 

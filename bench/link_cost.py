@@ -19,13 +19,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim.component import Causality, Setup, VariableType
-from cosim.link.bundle import Bundle, Field
-from cosim.link.impairment import Impairment
-from cosim.link.peer_link import READS_PER_TICK, PeerLink
-from cosim.link.remote import Grid, RemoteStation
-from cosim.link.settings import LinkSettings
-from cosim.link.transport import Address, UdpTransport, open_socket
+from cosim.base.component import Causality, Setup, VariableType
+from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.peer_link import READS_PER_TICK, PeerLink
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.stream.settings import LinkSettings
+from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.testing.impairment import Impairment
 from tests.link.simulated import Network, SkewedClock
 from tests.link.support import PERIOD, TICK, both_ends
 from tests.link.world import SimulatedStation, run, share_session

@@ -26,9 +26,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim.link.packet import Kind
-from cosim.link.proxy import Proxy
-from cosim.link.transport import Address
+from cosim.link.wire.packet import Kind
+from cosim.link.wire.transport import Address
+from cosim.testing.proxy import Proxy
 from tests.link.test_two_processes import COMMAND, free_ports
 
 RATE = 128

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from scipy.signal import cont2discrete
 
-from cosim.theory.chapter_5 import DELAYS, FIGURES
-from cosim.theory.stability_map import stability_maps
-from cosim.theory.timing import Timing
+from cosim.theory.chapters.chapter_5 import DELAYS, FIGURES
+from cosim.theory.models.timing import Timing
+from cosim.theory.stability.map import stability_maps
 
 T_C, N, M_H, M_O, B = 1 / 1024, 8, 0.1, 0.4, 10.0
 

@@ -12,10 +12,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from cosim.component import Component
-from cosim.errors import CohapticError, RunError
-from cosim.master.recording import RecordGroup
-from cosim.master.simulation import Outcome, Progress, Simulation, assemble
+from cosim.base.component import Component
+from cosim.base.errors import CohapticError, RunError
+from cosim.base.recording import RecordGroup
+from cosim.master.run.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run

@@ -15,7 +15,7 @@ def find(name: str, flavour: str = "fmi3") -> Path:
     Raises:
         InputError: there is no such model, or its FMU is missing or older than its sources.
     """
-    from cosim.errors import InputError
+    from cosim.base.errors import InputError
     from fmus.archive import FLAVOURS
 
     if flavour not in FLAVOURS:
@@ -40,8 +40,8 @@ def check_name(name: str) -> None:
     Raises:
         InputError: with the name that may have been meant.
     """
-    from cosim.errors import InputError
-    from cosim.suggest import did_you_mean
+    from cosim.base.errors import InputError
+    from cosim.base.suggest import did_you_mean
 
     names = model_names()
     if name not in names:
@@ -54,7 +54,7 @@ def is_checkout() -> bool:
 
 
 def _refuse_stale(name: str, path: Path) -> None:
-    from cosim.errors import InputError
+    from cosim.base.errors import InputError
     from fmus.builder import read_note, source_digest, source_of
 
     remedy = f"build it with 'uv sync' or 'uv run cohaptic fmu build {name}'."

@@ -51,7 +51,7 @@ _INCLUDE = (
     FOLDER / "fmi" / "freestanding",
     FOLDER / "libm",
     FOLDER / "libm" / "musl",
-    FOLDER / "shared",
+    *sorted(path.parent for path in (FOLDER / "shared").glob("*/__init__.py")),
     GENERATED,
 )
 
@@ -85,11 +85,10 @@ def source_of(name: str) -> Source:
 
 
 def model_files(source: Source) -> list[Path]:
-    """The model's own C files: each beside its description or in ``fmus/shared``."""
+    """The model's own C files: each beside its description or in a room of ``fmus/shared``."""
     found: list[Path] = []
     for name in source.model.sources:
-        candidates = (source.folder / name, FOLDER / "shared" / name)
-        existing = [path for path in candidates if path.is_file()]
+        existing = [*source.folder.glob(name), *(FOLDER / "shared").glob(f"*/{name}")]
         if not existing:
             raise BuildError(
                 f"Model {source.model.name} names a source '{name}', which is missing."
@@ -101,8 +100,8 @@ def model_files(source: Source) -> list[Path]:
 def source_digest(source: Source) -> str:
     """A SHA-256 of everything that the model's FMUs are made of."""
     own = [*model_files(source), *source.folder.glob("*.h"), source.folder / "variables.py"]
-    if any(path.parent == FOLDER / "shared" for path in own):
-        own += [*(FOLDER / "shared").glob("*.h"), *(FOLDER / "shared").glob("*.py")]
+    if any(path.is_relative_to(FOLDER / "shared") for path in own):
+        own += [*(FOLDER / "shared").glob("*/*.h"), *(FOLDER / "shared").glob("*/*.py")]
     digest = hashlib.sha256(_common_digest())
     digest.update(variables_header(source.model).encode())
     for path in sorted(own):
@@ -240,7 +239,7 @@ def _is_complete(name: str, folder: Path) -> bool:
 @cache
 def _common_digest() -> bytes:
     """What all models share: the glue, the libm, the compiler flags and the generators."""
-    files = [path for folder in _INCLUDE[:-2] for path in folder.glob("*.h")]
+    files = [path for folder in _INCLUDE[:5] for path in folder.glob("*.h")]
     files += [*_glue_files(), *support_files()]
     files += [FOLDER / f"{name}.py" for name in (*_GENERATORS, "layout", "units")]
     digest = hashlib.sha256()

@@ -1,5 +1,4 @@
 """Hardware in the loop: device contract, safety layer, drivers, emulators, supervisor.
 
-Everything that reaches a motor goes ``hil.device.Device.write`` -> ``hil.safety.SafetyLayer`` ->
-driver. Nothing in here imports ``cosim`` beyond its component protocol and its errors.
+Everything that reaches a motor goes from ``Device.write`` through the safety layer to the driver.
 """

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from cosim.errors import InputError
-from cosim.suggest import did_you_mean
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from cosim.analysis.grasp import Grasp
@@ -73,7 +73,7 @@ def load_tuned(
 
 def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:
     """b_c along x and y (N·s/m) and in rotation (N·m·s/rad)."""
-    from cosim.theory.compensation import null_compensation
+    from cosim.theory.transparency.compensation import null_compensation
 
     kind = "original" if choice == "auto" else "simplified"
     linear = null_compensation(grasp.model("normal"), grasp.timing, 0, kind).value

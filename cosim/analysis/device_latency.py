@@ -13,11 +13,11 @@ from fractions import Fraction
 
 from cosim.analysis.grasp import WORKSTATION, parameter
 from cosim.analysis.loop import SERVER, read_loop
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Component, Scenario
-from cosim.theory.parameters import Parameters
-from cosim.theory.stability import stability, stable_intervals
-from cosim.theory.timing import Timing
+from cosim.theory.models.parameters import Parameters
+from cosim.theory.models.timing import Timing
+from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 SOFTEST, STIFFEST = 1.0, 1e6
 """Where the largest stiffness is searched for (N/m)."""

@@ -16,11 +16,11 @@ from typing import Literal
 
 import numpy as np
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Component, Scenario
-from cosim.theory.models import Distributed
+from cosim.theory.models.mass_spring_damper import Distributed
+from cosim.theory.models.timing import Delay, Timing
 from cosim.theory.numerics import Real
-from cosim.theory.timing import Delay, Timing
 
 WORKSTATION = "distributed_workstation"
 

@@ -10,9 +10,9 @@ from fractions import Fraction
 
 from cosim.analysis.grasp import WORKSTATION, find_grasp
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Component, Scenario
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.timing import Delay, Timing
 
 SERVER, CLIENT = "central_server", "remote_client"
 _PLANAR = (

@@ -22,7 +22,7 @@ import numpy as np
 
 from cosim.analysis.grasp import Axis, find_grasp, parameter
 from cosim.scenario import Component, Scenario
-from cosim.theory.models import Centralized, Distributed
+from cosim.theory.models.mass_spring_damper import Centralized, Distributed
 
 RELAXED = (100.0, 3.0)
 """Stiffness (N/m) and damping (N·s/m) of the operator's relaxed hand."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 
 from cosim.scenario import Bernoulli, Direction, Scenario
-from cosim.theory.network import Network
+from cosim.theory.chance.network import Network
 
 
 def network_of(scenario: Scenario) -> Network | None:

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Component, Connection, Direction, Scenario
-from cosim.theory.parameters import Architecture
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.parameters import Architecture
+from cosim.theory.models.timing import Delay, Timing
 
 WITHOUT_CHANCE = (
     "Loss, jitter and traces of the channel are left out here; theory loss and theory design take "

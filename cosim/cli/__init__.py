@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from cosim.cli.stdout import reserve_stdout
-from cosim.errors import CohapticError
+from cosim.base.errors import CohapticError
+from cosim.cli.support.stdout import reserve_stdout
 
 # Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
 COMMANDS = {

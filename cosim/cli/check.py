@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.errors import InputError, InputErrors
+from cosim.base.errors import InputError, InputErrors
 
 if TYPE_CHECKING:
-    from cosim.master.simulation import Simulation
+    from cosim.master.run.simulation import Simulation
     from cosim.scenario import Scenario
 
 _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
     if schema:
-        from cosim.scenario.document import json_schema
+        from cosim.scenario.form.document import json_schema
 
         click.echo(json.dumps(json_schema(), indent=2))
         return
@@ -60,8 +60,8 @@ def _check(
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
     from cosim.analysis import load_tuned
-    from cosim.cli.check_devices import check_devices
-    from cosim.master.simulation import assemble
+    from cosim.cli.support.check_devices import check_devices
+    from cosim.master.run.simulation import assemble
     from cosim.scenario.describe import describe
 
     loaded = load_tuned(scenario, overlays, sets)
@@ -72,7 +72,7 @@ def _check(
 
 def _plan(simulation: Simulation) -> dict[str, Any]:
     """What follows from the FMUs: the order within a tick, packets, what lags, what is recorded."""
-    from cosim.master.plan import Act
+    from cosim.master.assembly.plan import Act
 
     assembly = simulation.assembly
     return {
@@ -108,7 +108,7 @@ def _problems(error: InputError) -> list[dict[str, Any]]:
 
 
 def _text(report: dict[str, Any]) -> str:
-    from cosim.cli.check_devices import bus_rows, device_rows
+    from cosim.cli.support.check_devices import bus_rows, device_rows
 
     time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
     lines = [report["title"] or report["name"], f"{time}, seed {report['seed']}"]

@@ -12,8 +12,8 @@ import click
 from cosim.cli.device_emulate import emulate_device
 
 if TYPE_CHECKING:
-    from hil.device import Device
-    from hil.session import Session
+    from hil.device.device import Device
+    from hil.realtime.session import Session
 
 _FILE = click.option(
     "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
@@ -30,8 +30,8 @@ def command() -> None:
 @_JSON
 def list_drivers(*, as_json: bool) -> None:
     """List the drivers that are installed."""
-    from cosim.errors import InputError
-    from hil.registry import find, names
+    from cosim.base.errors import InputError
+    from hil.setup.registry import find, names
 
     found: dict[str, dict[str, Any]] = {}
     for name in names():
@@ -56,7 +56,7 @@ def list_drivers(*, as_json: bool) -> None:
 @_JSON
 def find_ports(*, as_json: bool) -> None:
     """Show serial ports and CAN interfaces that a device could be on."""
-    from hil.search import candidates
+    from hil.setup.search import candidates
 
     found = candidates()
     if as_json:
@@ -96,9 +96,9 @@ def check_device(
     """
     from dataclasses import asdict
 
-    from cosim.errors import InputError
-    from hil.bench_test import check
-    from hil.device_file import add_watchdog_proof
+    from cosim.base.errors import InputError
+    from hil.setup.device_file import add_watchdog_proof
+    from hil.setup.look import check
 
     if enable_output and file is None:
         raise InputError("--enable-output notes the proof in the device file: give --file FILE")
@@ -174,8 +174,8 @@ def calibrate_device(
     """Write the device file OUTPUT: directions by moving each joint, home pose, serial, date."""
     from datetime import UTC, datetime
 
-    from hil.calibration import directions
-    from hil.device_file import save
+    from hil.setup.calibration import directions
+    from hil.setup.device_file import save
 
     with _opened(url, file) as device:
         signs = (1, 1) if yes else directions(device, _ask)
@@ -199,9 +199,9 @@ def calibrate_device(
 
 
 def _opened(url: str, file: Path | None) -> Device:
-    from hil.address import parse
-    from hil.device_file import default, load
-    from hil.registry import find
+    from hil.setup.address import parse
+    from hil.setup.device_file import default, load
+    from hil.setup.registry import find
 
     address = parse(url)
     kind = find(address.driver)
@@ -212,7 +212,7 @@ def _opened(url: str, file: Path | None) -> Device:
 
 def _session(*, yes: bool) -> Session:
     """Output was asked for; a person at a terminal is asked back."""
-    from hil.session import Session
+    from hil.realtime.session import Session
 
     def prompt(text: str) -> str:
         click.echo(text, err=True, nl=False)

@@ -44,7 +44,7 @@ def emulate_device(
     """
     from contextlib import ExitStack
 
-    from hil.emulators.launch import Emulator, Order
+    from hil.emulation.launch import Emulator, Order
 
     pantograph, operator = _from_scenario(scenario, overlays, component)
     with ExitStack() as stack:
@@ -79,7 +79,7 @@ def _firmware(name: str, stack: ExitStack) -> str:
     from importlib.util import find_spec
     from tempfile import TemporaryDirectory
 
-    from cosim.errors import InputError
+    from cosim.base.errors import InputError
     from hil.firmware.build import build
 
     if name != "cobs":
@@ -93,7 +93,7 @@ def _firmware(name: str, stack: ExitStack) -> str:
 def _write_emulated_file(
     output: Path, name: str, pantograph: Mapping[str, Any], home: tuple[float, float]
 ) -> None:
-    from hil.device_file import save
+    from hil.setup.device_file import save
 
     preset = "haply" if pantograph.get("device") in {"haply", 1} else "quanser"
     save(output, {"driver": name, "preset": preset, "home": list(home)})
@@ -102,7 +102,7 @@ def _write_emulated_file(
 def _from_scenario(
     scenario: str | None, overlays: tuple[str, ...], component: str | None
 ) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
-    from cosim.errors import InputError
+    from cosim.base.errors import InputError
     from cosim.scenario import load
 
     if scenario is None or component is None:

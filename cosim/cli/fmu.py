@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from cosim.errors import InputError, RunError
+from cosim.base.errors import InputError, RunError
 
 _FLAVOURS = click.Choice(["fmi2", "fmi3", "fmi3-arrays", "all"])
 
@@ -49,7 +49,7 @@ def list_command(*, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def inspect_command(*, file: str, as_json: bool) -> None:
     """What FILE, an FMU or the name of one of ours, offers: variables, terminals, platforms."""
-    from cosim.cli.fmu_report import describe, to_text
+    from cosim.cli.support.fmu_report import describe, to_text
 
     report = describe(_locate(file))
     click.echo(json.dumps(report, indent=2) if as_json else to_text(report))

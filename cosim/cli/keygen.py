@@ -17,7 +17,7 @@ def command(file: Path, *, as_json: bool) -> None:
     Copy the file to every station of the session by a safe way (scp, a memory stick); whoever
     holds it can push on a user's hand.
     """
-    from cosim.link.keys import create_key_file
+    from cosim.link.session.keys import create_key_file
 
     create_key_file(file)
     if as_json:

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 
 if TYPE_CHECKING:
-    from hil.watcher import Watcher
+    from hil.realtime.watcher import Watcher
 
 USUAL = ("*.normal_force", "*.box_pose.x", "*.box_pose.y", "*.position*", "*.joint_angle*")
 MOST = 4
@@ -43,7 +43,7 @@ def command(
     Without RUN, the newest 'cohaptic run --realtime' or 'cohaptic station' of this machine. It
     reads shared memory: the run is not slowed down, and what comes too fast is lost and counted.
     """
-    from hil.watcher import Watcher, find_feed
+    from hil.realtime.watcher import Watcher, find_feed
 
     with Watcher(find_feed(run)) as watcher:
         if as_json:
@@ -67,7 +67,7 @@ def choose(signals: Sequence[str], patterns: Sequence[str]) -> list[str]:
     if not patterns:
         usual = [name for p in USUAL for name in signals if fnmatchcase(name, p)]
         return list(dict.fromkeys(usual))[:MOST]
-    from cosim.suggest import did_you_mean
+    from cosim.base.suggest import did_you_mean
 
     found: list[str] = []
     for pattern in patterns:
@@ -106,7 +106,7 @@ def _draw(watcher: Watcher, names: list[str], window: float, end: float | None) 
     from rich.live import Live
     from rich.text import Text
 
-    from cosim.cli.plot import plot
+    from cosim.cli.support.plot import plot
 
     units = watcher.signals()
     kept: dict[str, deque[float]] = {}

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from cosim.link.keys import PreSharedKey
     from cosim.link.netchar.probe import Probe
     from cosim.link.netchar.statistics import Characteristics
+    from cosim.link.session.keys import PreSharedKey
 
 KEY = click.option(
     "--key",
@@ -48,7 +48,7 @@ def serve_command(
 ) -> None:
     """Relay the packets of 'netchar probe' back, until Ctrl-C."""
     from cosim.link.netchar.relay import Caps, Relay, serve
-    from cosim.link.transport import Address, open_socket, refuse_open_network
+    from cosim.link.wire.transport import Address, open_socket, refuse_open_network
 
     address = Address.parse(listen, "--listen")
     refuse_open_network([address], has_key=key is not None)
@@ -110,7 +110,7 @@ def probe_command(
     """Send time-tagged packets to 'netchar serve' at SERVER (host:port) and say what came back."""
     from cosim.link.netchar.probe import Probe, check_measurement
     from cosim.link.netchar.statistics import characterise
-    from cosim.link.transport import Address, open_socket, refuse_open_network
+    from cosim.link.wire.transport import Address, open_socket, refuse_open_network
 
     check_measurement(rate, duration, size)
     address = Address.parse(server, "SERVER")
@@ -220,7 +220,7 @@ def _progress(sent: int, returned: int, count: int) -> None:
 
 
 def _key(path: Path | None) -> PreSharedKey:
-    from cosim.link.keys import NO_KEY, read_key_file
+    from cosim.link.session.keys import NO_KEY, read_key_file
 
     return NO_KEY if path is None else read_key_file(path)
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from cosim.cli.console import Console, ended
-from cosim.cli.devices import output_options
+from cosim.cli.support.console import Console, ended
+from cosim.cli.support.devices import output_options
 
 if TYPE_CHECKING:
-    from cosim.master.simulation import Progress
+    from cosim.master.run.simulation import Progress
     from cosim.scenario import Scenario
-    from hil.paced_run import PacedRun
+    from hil.realtime.paced_run import PacedRun
 
 
 @click.command("run")
@@ -84,8 +84,8 @@ def command(
     )
     console = Console() if sys.stderr.isatty() and paced is not None else None
     if paced is not None:
-        from cosim.master.pacing import DeadlinePacer
-        from hil.realtime import clock_nanosleep
+        from cosim.master.run.pacing import DeadlinePacer
+        from hil.realtime.system import clock_nanosleep
 
         tick = 1 / loaded.base_rate
         paced.cpu = cpu
@@ -117,12 +117,12 @@ def _devices(
     """Say what holds for this run's devices; what paces it, with ``--realtime``."""
     if not realtime and all(part.kind != "device" for part in scenario.components.values()):
         return None
-    from cosim.cli.devices import device_session, say
+    from cosim.cli.support.devices import device_session, say
 
     session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     if not realtime:
         return None
-    from hil.paced_run import PacedRun
+    from hil.realtime.paced_run import PacedRun
 
     return PacedRun(session, say=say)
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from cosim.cli.console import Console, ended
-from cosim.cli.devices import output_options
+from cosim.cli.support.console import Console, ended
+from cosim.cli.support.devices import output_options
 
 if TYPE_CHECKING:
-    from cosim.link.transport import Address
+    from cosim.link.wire.transport import Address
 
 
 @click.command("station")
@@ -82,12 +82,12 @@ def command(
     Start the same scenario on every machine, each with its own --as. The stations compare what
     they are about to run, agree on a start, and each records its own side.
     """
-    from cosim.cli.devices import device_session, say
-    from cosim.link.transport import Address
+    from cosim.cli.support.devices import device_session, say
+    from cosim.link.wire.transport import Address
     from cosim.scenario import load
     from cosim.station.run import Arrangement, run_station
-    from hil.paced_run import PacedRun
-    from hil.realtime import clock_nanosleep
+    from hil.realtime.paced_run import PacedRun
+    from hil.realtime.system import clock_nanosleep
 
     # A service manager's SIGTERM stops in order, too: the peer is told, the record is closed.
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -119,8 +119,8 @@ def command(
 
 
 def _peers(given: tuple[str, ...]) -> dict[str, Address]:
-    from cosim.errors import InputError
-    from cosim.link.transport import Address
+    from cosim.base.errors import InputError
+    from cosim.link.wire.transport import Address
 
     found: dict[str, Address] = {}
     for text in given:

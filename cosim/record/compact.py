@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.master.recording import RecordGroup
+from cosim.base.recording import RecordGroup
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, write_cells
 from cosim.record.reader import Group, Run, open_run
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.record.export_mcap import write_mcap
 from cosim.record.export_mdf import write_mdf
 from cosim.record.export_table import Table, needed

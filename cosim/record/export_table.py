@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.record.reader import Run, Signal, Values
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 
 RUNS = Path("runs")
 

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 from cosim.record.hdf5 import h5py
 
 FORMAT_VERSION = 1

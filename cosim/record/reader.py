@@ -18,12 +18,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import InputError
-from cosim.master.recording import Column
+from cosim.base.errors import InputError
+from cosim.base.recording import Column
+from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
-from cosim.suggest import did_you_mean
 
 RUN_FILE = "run.h5"
 MANIFEST_FILE = "manifest.json"

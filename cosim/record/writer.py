@@ -20,8 +20,8 @@ from queue import SimpleQueue
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import RunError
-from cosim.master.recording import RecordGroup
+from cosim.base.errors import RunError
+from cosim.base.recording import RecordGroup
 from cosim.record.compact import compact
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, rows_in, write_cells
 from cosim.record.statistics import ColumnStatistics, ColumnSummary

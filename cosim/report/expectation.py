@@ -24,14 +24,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, cast
 
-from cosim.errors import InputError, InputErrors
+from cosim.base.errors import InputError, InputErrors
+from cosim.base.quantity import QuantityError, quantity
+from cosim.base.suggest import did_you_mean
 from cosim.record.reader import Run
 from cosim.report.measures import SCENARIO_MEASURES, TickRange
 from cosim.report.target import Target, parse_target
 from cosim.report.window import MEASURES, measure
 from cosim.scenario import Scenario
-from cosim.scenario.quantity import QuantityError, quantity
-from cosim.suggest import did_you_mean
 
 COMPARISONS: dict[str, Callable[[float, float, Sequence[float]], bool]] = {
     "below": lambda _, high, limit: high < limit[0],

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CohapticError
+from cosim.base.errors import CohapticError
 from cosim.record.reader import SCENARIO_FILE, Run
 from cosim.report.panels import COLOURS
 from cosim.report.platform import Platform, pose

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 from cosim.record.reader import Run, Signal, Values
-from cosim.suggest import did_you_mean
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from cosim.errors import InputError, RunError
-from cosim.theory.admittance import Response
+from cosim.base.errors import InputError, RunError
 from cosim.theory.numerics import Bool
-from cosim.theory.stability_map import Axis
+from cosim.theory.stability.map import Axis
+from cosim.theory.transparency.admittance import Response
 
 # Okabe and Ito's colours, distinguishable with any colour vision.
 _COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9")

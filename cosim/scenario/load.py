@@ -21,10 +21,10 @@ def load(
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
     """
-    from cosim.scenario.build import build
-    from cosim.scenario.include import read_document
-    from cosim.scenario.merge import merge
-    from cosim.scenario.override import apply_override
+    from cosim.scenario.build.scenario import build
+    from cosim.scenario.source.include import read_document
+    from cosim.scenario.source.merge import merge
+    from cosim.scenario.source.override import apply_override
 
     file, root = read_document(path)
     for overlay in overlays:

@@ -1,8 +1,8 @@
 """The scenario as the rest of cohaptic sees it: resolved, typed, in SI units and ticks.
 
-What a user writes is described by ``cosim.scenario.document``; ``cosim.scenario.load`` turns the
-one into the other. Rates are exact fractions of a hertz, time is an integer number of base ticks,
-and nothing in here can change once it is loaded.
+What a user writes is described by ``cosim.scenario.form.document``; ``cosim.scenario.load``
+turns the one into the other. Rates are exact fractions of a hertz, time is an integer number of
+base ticks, and nothing in here can change once it is loaded.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal
 
-from cosim.errors import Location
-from cosim.scenario.source import Node, PathKey
+from cosim.base.errors import Location
+from cosim.base.node import Node, PathKey
 
 Value = float | int | bool | str | tuple[Any, ...]
 """A parameter or start value: a scalar, or a tuple (of tuples) for an array."""

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, cast
 
-from cosim.scenario.build_channel import uniform
+from cosim.base.quantity import format_exact
+from cosim.base.yaml_writer import write_yaml
+from cosim.scenario.build.channel import uniform
 from cosim.scenario.model import (
     Bernoulli,
     Channel,
@@ -21,8 +23,6 @@ from cosim.scenario.model import (
     Reorder,
     Scenario,
 )
-from cosim.scenario.quantity import format_exact
-from cosim.scenario.writer import write_yaml
 
 
 def to_yaml(scenario: Scenario) -> str:

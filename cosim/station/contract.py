@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from cosim.link.settings import LinkSettings
-from cosim.master.assemble import Assembly
+from cosim.link.stream.settings import LinkSettings
+from cosim.master.assembly.assemble import Assembly
 from cosim.station.split import Half, Peer
 
 _LOCAL = re.compile(r"finger_\d+\.|device$")

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from cosim.errors import InputError
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.errors import InputError
+from cosim.base.recording import Column, RecordGroup
 from cosim.record.folder import new_folder
 from cosim.record.manifest import write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, Signal, open_run

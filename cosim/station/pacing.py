@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
-from cosim.link.door import Door
-from cosim.link.peer import PeerState
-from cosim.link.remote import Grid, RemoteStation
-from cosim.master.deadlines import Deadlines
-from cosim.master.pacing import DeadlinePacer, Work
+from cosim.link.session.door import Door
+from cosim.link.stream.peer import PeerState
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.master.run.deadlines import Deadlines
+from cosim.master.run.pacing import DeadlinePacer, Work
 
 CATCH_UP = 0.4
 """Share of a period by which ticks come sooner after one another until a miss is made up."""

@@ -9,18 +9,19 @@ from math import lcm
 from pathlib import Path
 from typing import Any, Protocol
 
-from cosim.errors import InputError
-from cosim.link.clock import PhaseFollower
-from cosim.link.door import Door
-from cosim.link.keys import read_key_file
-from cosim.link.peer_link import PeerLink
-from cosim.link.receiver import Fate
-from cosim.link.remote import Grid, RemoteStation
-from cosim.link.settings import ClockMode
-from cosim.link.transport import Address, UdpTransport, open_socket, refuse_open_network
-from cosim.master.assemble import put_together
-from cosim.master.pacing import DeadlinePacer, Policy, sleep_until
-from cosim.master.simulation import Progress, Simulation
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
+from cosim.link.session.door import Door
+from cosim.link.session.keys import read_key_file
+from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.receiver import Fate
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.stream.settings import ClockMode
+from cosim.link.wire.transport import Address, UdpTransport, open_socket, refuse_open_network
+from cosim.master.assembly.assemble import put_together
+from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
+from cosim.master.run.simulation import Progress, Simulation
 from cosim.record.writer import Recorder
 from cosim.scenario import Scenario
 from cosim.session import Finished, run_scenario
@@ -28,7 +29,6 @@ from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
 from cosim.station.split import Half, Peer, split
-from cosim.suggest import did_you_mean
 
 
 class Executor(Protocol):

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 
-from cosim.errors import InputError
-from cosim.link.bundle import Bundle, Field
-from cosim.link.settings import LinkSettings
-from cosim.master.assemble import Assembly
-from cosim.master.interface import Element
-from cosim.master.wiring import Bundle as WiredBundle
-from cosim.master.wiring import Held, PacketFact, Signal, Wire
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
+from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.settings import LinkSettings
+from cosim.master.assembly.assemble import Assembly
+from cosim.master.assembly.interface import Element
+from cosim.master.assembly.wiring import Bundle as WiredBundle
+from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
 from cosim.scenario import Channel, Component, Connection, Direction, Kind, Record, Reference
 from cosim.scenario import Scenario as FullScenario
-from cosim.suggest import did_you_mean
 
 PEER_FACTS = {"peer_weight": "weight", "peer_valid": "valid", "peer_age": "age"}
 _PEER_GROUP = re.compile(r"(?:peer|client)_(\d+)\.")
@@ -104,7 +104,7 @@ class _Splitter:
             own[peer.component] = Component(
                 name=peer.component,
                 kind=Kind.PYTHON,
-                source="cosim.link.remote:RemoteStation",
+                source="cosim.link.stream.remote:RemoteStation",
                 # With the simulated impairments on top, the channel still lies in between.
                 station=peer.name if adds else self.own,
                 rate_name=None,
@@ -221,7 +221,7 @@ class _Splitter:
             self.helpers[helper] = Component(
                 name=helper,
                 kind=Kind.PYTHON,
-                source="cosim.link.total_age:TotalAge",
+                source="cosim.link.stream.total_age:TotalAge",
                 station=self.own,
                 rate_name=None,
                 rate=self.scenario.base_rate,

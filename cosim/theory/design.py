@@ -13,17 +13,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from cosim.errors import InputError
-from cosim.theory.compensation import null_compensation
-from cosim.theory.damping import uniform_compensation
-from cosim.theory.margins import scaled
-from cosim.theory.mean_square import mean_square_radius
-from cosim.theory.models import Model
-from cosim.theory.network import Network
-from cosim.theory.packets import LinkProcess, independent_frames
-from cosim.theory.parameters import Parameters
-from cosim.theory.stability import stability
-from cosim.theory.timing import Delay, Timing
+from cosim.base.errors import InputError
+from cosim.theory.chance.mean_square import mean_square_radius
+from cosim.theory.chance.network import Network
+from cosim.theory.chance.packets import LinkProcess, independent_frames
+from cosim.theory.models.mass_spring_damper import Model
+from cosim.theory.models.parameters import Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.margins import scaled
+from cosim.theory.stability.spectral_radius import stability
+from cosim.theory.transparency.compensation import null_compensation
+from cosim.theory.transparency.damping import uniform_compensation
 
 STIFFNESS = {"centralized": ("k_1", "k_2"), "distributed": ("k_11", "k_12", "k_o")}
 DAMPING = {"centralized": ("b_1", "b_2"), "distributed": ("b_11", "b_12", "b_o")}

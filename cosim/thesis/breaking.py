@@ -18,7 +18,7 @@ import numpy as np
 from cosim.thesis.trials import grasp
 
 if TYPE_CHECKING:
-    from cosim.theory.models import Model
+    from cosim.theory.models.mass_spring_damper import Model
 
 Curve = Literal["stiffness", "jitter", "centralized_loss", "distributed_loss"]
 
@@ -106,10 +106,10 @@ def predict(curve: Curve, delay: int) -> float | None:
     from cosim.analysis.grasp import find_grasp
     from cosim.analysis.modes import centralized_modes, distributed_modes
     from cosim.scenario import load
-    from cosim.theory.mean_square import critical_loss, mean_square_radius
-    from cosim.theory.packets import random_delay
-    from cosim.theory.stability import stability
-    from cosim.theory.timing import Delay, Timing
+    from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
+    from cosim.theory.chance.packets import random_delay
+    from cosim.theory.models.timing import Delay, Timing
+    from cosim.theory.stability.spectral_radius import stability
 
     timing = Timing(delay=Delay.round_trip(0 if curve == "jitter" else delay))
     if curve in {"stiffness", "jitter"}:

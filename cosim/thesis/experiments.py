@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cosim.errors import CohapticError
+from cosim.base.errors import CohapticError
 
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function that other processes can import, and its arguments."""

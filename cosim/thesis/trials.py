@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.master.recording import MemorySink
+from cosim.base.recording import MemorySink
 
 SETTLED = 2.0
 """All fingers have touched the box and squeeze it from here on (s)."""
@@ -102,7 +102,7 @@ def free_motion(sets: Sequence[str]) -> Motion:
 
 def _run(file: str, sets: Sequence[str]) -> MemorySink:
     from cosim.analysis import load_tuned
-    from cosim.master.simulation import assemble
+    from cosim.master.run.simulation import assemble
 
     sink = MemorySink()
     with assemble(load_tuned(file, (), sets)) as simulation:

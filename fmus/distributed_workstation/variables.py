@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from fmus.shared import environment, workstation
-from fmus.shared.workstation import PEERS
+from fmus.shared.workstation import variables as workstation
+from fmus.shared.workstation.variables import PEERS
+from fmus.shared.world import environment
 from fmus.table import Group, Model
 
 _PEERS = ("peer_?.*", "peer_weight", "peer_valid", "peer_age")

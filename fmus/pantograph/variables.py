@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmus.shared.device import device_choice, device_parameters, placement_parameters
+from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
 from fmus.table import Model, Terminal, Variable
 
 _PARAMETERS = (

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fmus.shared import workstation
-from fmus.shared.workstation import ALL_FINGER_INPUTS, POSE, VELOCITY, planar, real
+from fmus.shared.workstation import variables as workstation
+from fmus.shared.workstation.variables import ALL_FINGER_INPUTS, POSE, VELOCITY, planar, real
 from fmus.table import Group, Model
 
 _UP = (

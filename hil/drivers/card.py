@@ -5,10 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar
 
-from hil.contract import ZERO, Watchdog
-from hil.device import Device
-from hil.linkage import Pair
-from hil.vendor import volts
+from hil.device.contract import ZERO, Watchdog
+from hil.device.device import Device
+from hil.safety.linkage import Pair
+from hil.wire.vendor import volts
 
 
 class CardDevice(Device):

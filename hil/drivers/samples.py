@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import pi
 
-from hil.contract import Sample
-from hil.device_file import Joint
-from hil.linkage import Pair
+from hil.device.contract import Sample
+from hil.safety.linkage import Pair
+from hil.setup.device_file import Joint
 
 
 def sample_of_counts(

@@ -10,7 +10,7 @@
  *       motors_set(device.torque[0], device.torque[1]);   // N.m; zero unless enabled and alive
  *   }
  *
- * The frames are described in hil/protocols/cobs.py. Set the motors from device.torque and from
+ * The frames are described in hil/drivers/cobs/protocol.py. Set the motors from device.torque and from
  * nothing else: it is zero after a reset, without the enable flag, and when the watchdog has fired.
  */
 #ifndef COHAPTIC_DEVICE_H

@@ -11,8 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 import fmus
+from cosim.base.errors import CohapticError, InputError
 from cosim.cli.fmu import command
-from cosim.errors import CohapticError, InputError
 from fmus import builder
 
 

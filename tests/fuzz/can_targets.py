@@ -8,17 +8,17 @@ from math import isfinite, pi
 from types import SimpleNamespace
 from typing import Any
 
-from hil.address import parse
-from hil.canbus import CanBus
-from hil.contract import State
-from hil.device_file import parse as parse_file
-from hil.drivers.odrive import OdriveDevice
-from hil.emulators.board import Frame
-from hil.emulators.odrive import OdriveBoard
-from hil.emulators.world import World
-from hil.errors import ProtocolError
-from hil.protocols import odrive
-from hil.slcan import StrictSlcanBus
+from hil.device.contract import State
+from hil.device.errors import ProtocolError
+from hil.drivers.odrive import protocol as odrive
+from hil.drivers.odrive.driver import OdriveDevice
+from hil.drivers.odrive.emulator import OdriveBoard
+from hil.emulation.board import Frame
+from hil.emulation.world import World
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from hil.wire.can_bus import CanBus
+from hil.wire.slcan import StrictSlcanBus
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import TICK, Rest
 

@@ -9,18 +9,18 @@ import struct
 from math import isfinite, pi
 from typing import Any
 
-from hil.address import parse
-from hil.canbus import CanBus
-from hil.canopen.set_up import Found
-from hil.contract import State
-from hil.device_file import parse as parse_file
-from hil.drivers import canopen as module
-from hil.drivers.canopen import CanopenDevice
-from hil.emulators.board import Frame
-from hil.emulators.canopen import TORQUE_PER_CODE, CanopenBoard
-from hil.emulators.world import World
-from hil.errors import ProtocolError
-from hil.protocols import canopen
+from hil.device.contract import State
+from hil.device.errors import ProtocolError
+from hil.drivers.canopen import driver as module
+from hil.drivers.canopen import protocol as canopen
+from hil.drivers.canopen.driver import CanopenDevice
+from hil.drivers.canopen.emulator import TORQUE_PER_CODE, CanopenBoard
+from hil.drivers.canopen.set_up import Found
+from hil.emulation.board import Frame
+from hil.emulation.world import World
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from hil.wire.can_bus import CanBus
 from tests.fuzz.can_targets import FakeBus
 from tests.fuzz.script import Script
 from tests.fuzz.wire import TICK, Rest

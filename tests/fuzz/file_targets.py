@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import load as load_scenario
-from hil.address import number, numbers, parse
-from hil.device_file import DeviceFile, load
-from hil.device_file import parse as parse_file
-from hil.emulators.cobs import CobsBoard
-from hil.emulators.links import PtyLink
-from hil.emulators.server import Server
-from hil.emulators.world import World
-from hil.ring import Reader, Ring
+from hil.drivers.cobs.emulator import CobsBoard
+from hil.emulation.links import PtyLink
+from hil.emulation.server import Server
+from hil.emulation.world import World
+from hil.realtime.ring import Reader, Ring
+from hil.setup.address import number, numbers, parse
+from hil.setup.device_file import DeviceFile, load
+from hil.setup.device_file import parse as parse_file
 from tests.fuzz.script import Script
 from tests.fuzz.wire import Rest
 

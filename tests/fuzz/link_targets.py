@@ -12,15 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.errors import InputError
-from cosim.link.contract import Contract
-from cosim.link.doorman import Doorman
-from cosim.link.handshake import MESSAGE_SIZE, RETRY, Handshake
-from cosim.link.keys import PreSharedKey, read_key_file
-from cosim.link.meeting import SYNC_INTERVAL, Meeting
+from cosim.base.errors import InputError
 from cosim.link.netchar.relay import Caps, Relay
-from cosim.link.packet import DataWriter, Opener, Sealer
-from cosim.link.receiver import Fate, Receiver, ReceiverSettings
+from cosim.link.session.contract import Contract
+from cosim.link.session.doorman import Doorman
+from cosim.link.session.handshake import MESSAGE_SIZE, RETRY, Handshake
+from cosim.link.session.keys import PreSharedKey, read_key_file
+from cosim.link.session.meeting import SYNC_INTERVAL, Meeting
+from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings
+from cosim.link.wire.packet import DataWriter, Opener, Sealer
 from tests.fuzz.script import Script, spoil
 from tests.link.support import KEY, TICK, both_ends, make_pair, small_bundle
 

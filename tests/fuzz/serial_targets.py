@@ -8,15 +8,17 @@ import tempfile
 from math import isfinite
 from pathlib import Path
 
-from hil.contract import ZERO, State
-from hil.emulators.board import Frame
-from hil.emulators.cobs import CobsBoard, FirmwareBoard
-from hil.emulators.haply import SATURATION, HaplyBoard
-from hil.emulators.links import parse_slcan
-from hil.emulators.world import World
-from hil.errors import ProtocolError
+from hil.device.contract import ZERO, State
+from hil.device.errors import ProtocolError
+from hil.drivers.cobs import protocol as cobs
+from hil.drivers.cobs.emulator import CobsBoard, FirmwareBoard
+from hil.drivers.haply import protocol as haply
+from hil.drivers.haply.emulator import SATURATION, HaplyBoard
+from hil.emulation.board import Frame
+from hil.emulation.links import parse_slcan
+from hil.emulation.world import World
 from hil.firmware.build import build
-from hil.protocols import cobs, haply, slcan
+from hil.wire import slcan_lines as slcan
 from tests.fuzz import oracle
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import Rest, on_wire

@@ -8,17 +8,17 @@ import importlib
 from collections.abc import Callable
 from fractions import Fraction
 
-from hil.address import parse
-from hil.contract import ZERO
-from hil.device import Device
-from hil.device_file import parse as parse_file
-from hil.emulators.board import Board
-from hil.emulators.cobs import CobsBoard
-from hil.emulators.haply import HaplyBoard
-from hil.emulators.world import World
-from hil.linkage import Pair
-from hil.permission import emulated
-from hil.registry import find
+from hil.device.contract import ZERO
+from hil.device.device import Device
+from hil.drivers.cobs.emulator import CobsBoard
+from hil.drivers.haply.emulator import HaplyBoard
+from hil.emulation.board import Board
+from hil.emulation.world import World
+from hil.safety.linkage import Pair
+from hil.safety.permission import emulated
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from hil.setup.registry import find
 
 TICK = Fraction(1, 1024)
 Spoiler = Callable[[bytes], bytes]
@@ -84,7 +84,7 @@ def on_wire(name: str) -> tuple[Device, Wire]:
 
 @functools.cache
 def _active(name: str) -> tuple[Device, Wire]:
-    module = importlib.import_module(f"hil.drivers.{name}")
+    module = importlib.import_module(f"hil.drivers.{name}.driver")
     file = parse_file({"driver": name})
     region = file.linkage.default_region()
     middle = ((region.left + region.right) / 2, (region.bottom + region.top) / 2)

@@ -12,13 +12,13 @@ from fractions import Fraction
 
 import can
 
-from hil.address import parse
-from hil.device_file import parse as parse_file
-from hil.drivers.canopen import CanopenDevice
-from hil.emulators.board import Frame
-from hil.emulators.canopen import CanopenBoard
-from hil.emulators.world import World
-from hil.linkage import Pair
+from hil.drivers.canopen.driver import CanopenDevice
+from hil.drivers.canopen.emulator import CanopenBoard
+from hil.emulation.board import Frame
+from hil.emulation.world import World
+from hil.safety.linkage import Pair
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
 
 TICK = Fraction(1, 1024)
 REST: Pair = (2.2873, 0.8543)

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import pytest
 from driver_bench import Bench, Rig
 
-from hil.session import Session, begin
+from hil.realtime.session import Session, begin
 
-multiprocessing.set_forkserver_preload(["hil.emulators.launch", "fmpy.fmi3", "can"])
+multiprocessing.set_forkserver_preload(["hil.emulation.launch", "fmpy.fmi3", "can"])
 
 
 @pytest.fixture(autouse=True)

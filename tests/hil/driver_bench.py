@@ -11,15 +11,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from hil.address import parse
-from hil.component import REST_TICKS
-from hil.contract import ZERO, Measurement, Sent
-from hil.device import Device
-from hil.device_file import parse as parse_file
-from hil.emulators.launch import Emulator, Order
+from hil.device.component import REST_TICKS
+from hil.device.contract import ZERO, Measurement, Sent
+from hil.device.device import Device
+from hil.emulation.launch import Emulator, Order
 from hil.firmware.build import build
-from hil.permission import emulated
-from hil.registry import find
+from hil.safety.permission import emulated
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from hil.setup.registry import find
 
 TICK = Fraction(1, 1024)
 HAPLY = {"device": 1, "initial_tip_position": (0.019, 0.1)}

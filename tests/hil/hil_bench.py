@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from hil.address import parse
-from hil.contract import State
-from hil.device_file import DeviceFile, default
-from hil.drivers.mock import MockDevice
-from hil.linkage import Linkage, Pair
-from hil.permission import Permission, emulated
+from hil.device.contract import State
+from hil.drivers.mock.driver import MockDevice
+from hil.safety.linkage import Linkage, Pair
+from hil.safety.permission import Permission, emulated
+from hil.setup.address import parse
+from hil.setup.device_file import DeviceFile, default
 
 TICK = Fraction(1, 1024)
 QUANSER = Linkage(proximal=0.100, distal=0.165, base=0.085)

@@ -14,7 +14,7 @@ import tty
 from math import pi
 from typing import Any
 
-from hil.emulators.plant import SimulatedPantograph
+from hil.emulation.plant import SimulatedPantograph
 
 PARAMETERS = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
 TICK = 1 / 1024

@@ -9,8 +9,8 @@ import pytest
 
 from cosim.scenario import load
 from cosim.session import run_scenario
-from fmus.shared.device import presets
-from hil.device_file import default
+from fmus.shared.mechanism.device import presets
+from hil.setup.device_file import default
 
 DEVICES = "scenarios/devices"
 MARGIN = 0.01

@@ -14,15 +14,15 @@ import pytest
 from click.testing import CliRunner
 from driver_bench import QUANSER
 
+from cosim.base.errors import RunError
 from cosim.cli import cli
-from cosim.errors import RunError
 from cosim.record.reader import open_run
 from cosim.scenario import load
-from hil.address import parse
-from hil.device_file import save
-from hil.emulators.launch import Emulator, Order
-from hil.errors import ActivationRefused
-from hil.registry import find
+from hil.device.errors import ActivationRefused
+from hil.emulation.launch import Emulator, Order
+from hil.setup.address import parse
+from hil.setup.device_file import save
+from hil.setup.registry import find
 
 DURATION = "1.6 s"
 TICKS = 1639
@@ -95,7 +95,7 @@ TWIN = f"""
 components:
   finger_a1: {{parameters: {{computation_delay_ticks: %d}}}}
   safety: {{
-    python: "hil.safety_component:Safety", station: station_a, rate: control, parameters: {LIMITS}
+    python: "hil.safety.component:Safety", station: station_a, rate: control, parameters: {LIMITS}
   }}
 connections:
   - {{remove: finger_a1.device}}

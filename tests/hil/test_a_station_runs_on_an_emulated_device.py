@@ -20,7 +20,7 @@ import pytest
 from test_a_scenario_runs_on_an_emulated_device import device_file, emulated
 
 from cosim.record.reader import open_run
-from hil.emulators.launch import Emulator
+from hil.emulation.launch import Emulator
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="a station needs fork")
 

@@ -14,7 +14,7 @@ import pytest
 
 OWNER = """
 import sys, time
-from hil.emulators.launch import Emulator, Order
+from hil.emulation.launch import Emulator, Order
 if __name__ == "__main__":
     emulator = Emulator(Order(name="haply", lockstep=True))
     print(emulator.control.path, flush=True)

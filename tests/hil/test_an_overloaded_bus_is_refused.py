@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cosim.errors import InputError
-from hil.canbus import bus_load, frame_bits, refuse_overload
-from hil.drivers.odrive import FRAMES
+from cosim.base.errors import InputError
+from hil.drivers.odrive.driver import FRAMES
+from hil.wire.can_bus import bus_load, frame_bits, refuse_overload
 
 RATE = 1024
 

@@ -7,12 +7,12 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
 from cosim.cli import cli
-from cosim.errors import InputError
-from hil.address import parse
-from hil.canbus import bus_load
-from hil.device_file import default
-from hil.drivers.canopen import CanopenDevice
+from hil.drivers.canopen.driver import CanopenDevice
+from hil.setup.address import parse
+from hil.setup.device_file import default
+from hil.wire.can_bus import bus_load
 
 FINGERS = ("finger_a1", "finger_a2", "finger_b1", "finger_b2")
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.emulators.canopen_objects import dictionary
-from hil.errors import ProtocolError
-from hil.protocols import canopen as wire
-from hil.protocols.canopen import Index, NmtCommand, NmtState, Object
+from hil.device.errors import ProtocolError
+from hil.drivers.canopen import protocol as wire
+from hil.drivers.canopen.emulated_objects import dictionary
+from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object
 
 nodes = st.integers(1, 127)
 anything = st.binary(max_size=8)

@@ -10,10 +10,10 @@ from driver_bench import Bench
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hil.contract import Cause, Outcome, State
-from hil.emulators.board import Frame
-from hil.errors import DeviceError, DeviceFault
-from hil.permission import emulated
+from hil.device.contract import Cause, Outcome, State
+from hil.device.errors import DeviceError, DeviceFault
+from hil.emulation.board import Frame
+from hil.safety.permission import emulated
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import canopen
 import pytest
 from driver_bench import Bench
 
-from hil.address import parse
-from hil.canbus import raw_bus
-from hil.emulators.canopen_objects import dictionary
+from hil.drivers.canopen.emulated_objects import dictionary
+from hil.setup.address import parse
+from hil.wire.can_bus import raw_bus
 
 CODE = 10.0 / 32767 * 0.5 * 0.0364
 PATIENCE = 120.0

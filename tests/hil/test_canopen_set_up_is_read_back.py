@@ -7,10 +7,10 @@ import threading
 import pytest
 from canopen_bench import REST, Wire, run
 
-from cosim.errors import InputError
-from hil.canopen.layout import layout
-from hil.contract import State
-from hil.errors import DeviceError
+from cosim.base.errors import InputError
+from hil.device.contract import State
+from hil.device.errors import DeviceError
+from hil.drivers.canopen.layout import layout
 
 LAYOUTS = {"1": (1,), "1,2": (1, 2), "1,2,3": (1, 2, 3)}
 

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from cosim.analysis.device_latency import latency_warnings
+from cosim.base.errors import InputError, InputErrors
 from cosim.cli import cli
-from cosim.errors import InputError, InputErrors
 from cosim.scenario import load
 
 

@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.emulators.cobs import _Device
-from hil.firmware.build import build
-from hil.protocols.cobs import (
+from hil.drivers.cobs.emulator import _Device
+from hil.drivers.cobs.protocol import (
     CommandFlag,
     ReplyFlag,
     Splitter,
@@ -23,6 +22,7 @@ from hil.protocols.cobs import (
     stuff,
     unstuff,
 )
+from hil.firmware.build import build
 
 torques = st.tuples(st.floats(-1, 1, width=32), st.floats(-1, 1, width=32))
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.conversion import TorqueDrive, VoltageDrive
+from hil.safety.conversion import TorqueDrive, VoltageDrive
 
 torques = st.floats(-1.0, 1.0)
 directions = st.sampled_from([1, -1])

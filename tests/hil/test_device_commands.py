@@ -8,10 +8,10 @@ import pytest
 from click.testing import CliRunner
 from driver_bench import Bench
 
+from cosim.base.errors import InputError
 from cosim.cli import cli
-from cosim.errors import InputError
-from hil.device_file import load
-from hil.errors import DeviceGone
+from hil.device.errors import DeviceGone
+from hil.setup.device_file import load
 
 
 def invoke(*arguments: str):

@@ -6,12 +6,12 @@ import math
 
 import pytest
 
-from cosim.errors import InputError
-from hil.address import parse as parse_url
-from hil.conversion import TorqueDrive, VoltageDrive
-from hil.device_file import PRESETS, load, parse, save
-from hil.limits import Limits
-from hil.registry import find
+from cosim.base.errors import InputError
+from hil.safety.conversion import TorqueDrive, VoltageDrive
+from hil.safety.limits import Limits
+from hil.setup.address import parse as parse_url
+from hil.setup.device_file import PRESETS, load, parse, save
+from hil.setup.registry import find
 
 GOOD = {
     "cohaptic_device": 1,
@@ -87,7 +87,7 @@ def test_drives_that_take_volts_get_the_presets_motor():
 
 
 def test_presets_are_the_pantograph_fmus():
-    from fmus.shared.device import presets
+    from fmus.shared.mechanism.device import presets
 
     geometry, dynamics = presets("GEOMETRY"), presets("DYNAMICS")
     known = {**geometry, **dynamics}

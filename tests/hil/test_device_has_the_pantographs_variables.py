@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import fmus
-from cosim.component import Role, Setup
-from hil.component import DeviceComponent
-from hil.contract import Status
-from hil.drivers.mock import MockDevice
-from hil.errors import DeviceFault
-from hil.pantograph import variables
+from cosim.base.component import Role, Setup
+from hil.device.component import DeviceComponent
+from hil.device.contract import Status
+from hil.device.errors import DeviceFault
+from hil.device.pantograph import variables
+from hil.drivers.mock.driver import MockDevice
 
 
 def component(**options):
@@ -100,10 +100,11 @@ def test_a_fault_ends_the_run_with_its_sentence():
 
 def test_hil_loads_nothing_of_cosim_but_protocol_and_errors():
     code = (
-        "import sys, hil.component, hil.registry, hil.session, hil.drivers.mock\n"
+        "import sys, hil.device.component, hil.setup.registry, hil.realtime.session\n"
+        "import hil.drivers.mock.driver\n"
         "print([m for m in sys.modules if m.startswith('cosim.')])"
     )
     loaded = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     ).stdout
-    assert set(eval(loaded)) <= {"cosim.component", "cosim.errors"}
+    assert all(module.split(".")[1] == "base" for module in eval(loaded))

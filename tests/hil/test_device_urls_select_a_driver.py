@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import load
-from hil.address import number, numbers, parse
-from hil.drivers.mock import MockDevice
-from hil.registry import find, names
+from hil.drivers.mock.driver import MockDevice
+from hil.setup.address import number, numbers, parse
+from hil.setup.registry import find, names
 
 
 def test_urls_come_apart():

@@ -7,10 +7,10 @@ from math import pi, sin
 import pytest
 from driver_bench import DRIVERS, SETUPS, Bench, Rig
 
-from hil.contract import ZERO, State, Status
-from hil.emulators.plant import SimulatedPantograph
-from hil.emulators.proof import doubt
-from hil.errors import ActivationRefused
+from hil.device.contract import ZERO, State, Status
+from hil.device.errors import ActivationRefused
+from hil.emulation.plant import SimulatedPantograph
+from hil.emulation.proof import doubt
 
 every_driver = pytest.mark.parametrize("rig", DRIVERS, indirect=True)
 every_name = pytest.mark.parametrize("name", DRIVERS)

@@ -9,8 +9,8 @@ import fault_table
 import pytest
 from driver_bench import DRIVERS, Bench
 
-from hil.contract import Outcome, State
-from hil.limits import DROP_TICKS
+from hil.device.contract import Outcome, State
+from hil.safety.limits import DROP_TICKS
 
 TICKS = 120
 LONGEST = {"runaway": 200, "latched": 200}

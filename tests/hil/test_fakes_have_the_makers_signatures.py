@@ -77,7 +77,7 @@ def real_error():
 
 def test_moteus_registers_and_modes_are_those_that_the_driver_knows():
     real = pytest.importorskip("moteus")
-    from hil.drivers import moteus as driver
+    from hil.drivers.moteus import driver
 
     fake = FAKES["moteus"](Maker(None))["moteus"]
     for name in ("MODE", "POSITION", "FAULT"):

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hil.emulators.haply import HaplyBoard
-from hil.emulators.world import World
-from hil.protocols import haply
+from hil.drivers.haply import protocol as haply
+from hil.drivers.haply.emulator import HaplyBoard
+from hil.emulation.world import World
 from tests.fuzz.file_targets import WORDS, document_is_refused_or_right
 from tests.fuzz.seeds import DEVICE_FILE
 from tests.fuzz.targets import SEEDS, TARGETS

@@ -13,11 +13,11 @@ from driver_bench import Bench
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.emulators.board import Frame
-from hil.emulators.odrive import OdriveBoard
-from hil.emulators.world import World
-from hil.protocols import odrive as wire
-from hil.protocols.odrive import Command, identifier
+from hil.drivers.odrive import protocol as wire
+from hil.drivers.odrive.emulator import OdriveBoard
+from hil.drivers.odrive.protocol import Command, identifier
+from hil.emulation.board import Frame
+from hil.emulation.world import World
 
 CLIENT = """
 import sys

@@ -7,11 +7,17 @@ from hil_bench import REST, Puppet, mock, rested, run
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
-from cosim.errors import InputError
-from hil.contract import Cause, Flag, Outcome, State, Status
-from hil.device import Device
-from hil.device_file import parse as parse_file
-from hil.errors import ActivationRefused, DeviceError, DeviceFault, DeviceGone, LifecycleError
+from cosim.base.errors import InputError
+from hil.device.contract import Cause, Flag, Outcome, State, Status
+from hil.device.device import Device
+from hil.device.errors import (
+    ActivationRefused,
+    DeviceError,
+    DeviceFault,
+    DeviceGone,
+    LifecycleError,
+)
+from hil.setup.device_file import parse as parse_file
 
 
 class Life(RuleBasedStateMachine):

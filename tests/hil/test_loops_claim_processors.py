@@ -8,14 +8,14 @@ import sys
 
 import pytest
 
-from hil import processors
+from hil.realtime import processors
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="claims are file locks")
 
 HOLD = """
 import sys
 from pathlib import Path
-from hil.processors import claim
+from hil.realtime.processors import claim
 print(claim([0, 1], Path(sys.argv[1])), flush=True)
 sys.stdin.read()
 """

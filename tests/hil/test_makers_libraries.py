@@ -15,18 +15,18 @@ from click.testing import CliRunner
 from vendor_board import RemoteBoard
 from vendor_fakes import FAKES, Maker
 
+from cosim.base.errors import InputError
+from cosim.base.pulse import Pulse
 from cosim.cli import cli
-from cosim.errors import InputError
-from hil.address import parse
-from hil.contract import ZERO, Cause, Outcome, State
-from hil.device import Device
-from hil.device_file import default
-from hil.device_file import parse as parse_file
-from hil.drivers.mock import MockDevice
-from hil.errors import ActivationRefused, DeviceError, DeviceGone
-from hil.permission import ask, emulated
-from hil.pulse import Pulse
-from hil.registry import find
+from hil.device.contract import ZERO, Cause, Outcome, State
+from hil.device.device import Device
+from hil.device.errors import ActivationRefused, DeviceError, DeviceGone
+from hil.drivers.mock.driver import MockDevice
+from hil.safety.permission import ask, emulated
+from hil.setup.address import parse
+from hil.setup.device_file import default
+from hil.setup.device_file import parse as parse_file
+from hil.setup.registry import find
 
 URLS = {"quanser": "quanser://q8_usb/0", "nidaqmx": "nidaqmx://Dev1", "moteus": "moteus:///dev/usb"}
 PUSH = (0.02, -0.01)

@@ -19,14 +19,14 @@ from hil_bench import QUANSER, REST_ANGLE, Puppet, mock, rested, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.cli.live import choose
-from cosim.cli.plot import HEIGHT, plot
-from cosim.errors import InputError
-from hil.contract import Cause, State
-from hil.live import Feed, StatusWriter
-from hil.ring import Ring
-from hil.watcher import Watcher, find_feed
+from cosim.cli.support.plot import HEIGHT, plot
+from hil.device.contract import Cause, State
+from hil.realtime.live import Feed, StatusWriter
+from hil.realtime.ring import Ring
+from hil.realtime.watcher import Watcher, find_feed
 
 LATENESS = SimpleNamespace(misses=3, slipped=4, worst=1_500_000)
 COLUMNS = [
@@ -96,7 +96,7 @@ def test_the_force_at_the_tip_does_the_work_of_the_torques(x, y, first, second):
 WATCHING = """
 import json, sys, time
 from pathlib import Path
-from hil.watcher import Watcher
+from hil.realtime.watcher import Watcher
 with Watcher(Path(sys.argv[1])) as watcher:
     watcher.watch(["vr.box.x", "vr.contacts"])
     print("watching", flush=True)

@@ -7,15 +7,15 @@ import threading
 import pytest
 from hil_bench import Puppet, mock
 
-from hil.address import parse
-from hil.contract import Watchdog
-from hil.device_file import parse as parse_file
-from hil.drivers.mock import MockDevice
-from hil.errors import ActivationRefused
-from hil.permission import Permission, ask, dead_man, emulated
-from hil.pulse import Pulse
-from hil.safeguards import check_safeguards
-from hil.session import Session
+from cosim.base.pulse import Pulse
+from hil.device.contract import Watchdog
+from hil.device.errors import ActivationRefused
+from hil.drivers.mock.driver import MockDevice
+from hil.realtime.session import Session
+from hil.safety.permission import Permission, ask, dead_man, emulated
+from hil.safety.safeguards import check_safeguards
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
 
 
 def test_a_permission_cannot_be_made_by_hand():

@@ -10,10 +10,10 @@ from hil_bench import QUANSER, REST, REST_ANGLE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.contract import Cause, Flag
-from hil.limits import SPEED_WINDOW_TICKS, Limits
-from hil.linkage import Linkage
-from hil.safety import SafetyLayer
+from hil.device.contract import Cause, Flag
+from hil.safety.layer import SafetyLayer
+from hil.safety.limits import SPEED_WINDOW_TICKS, Limits
+from hil.safety.linkage import Linkage
 
 T = 1 / 1024
 LIMITS = Limits()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from hil_bench import QUANSER, REST_ANGLE
 
-from cosim.component import Setup
-from hil.limits import Limits
-from hil.safety import SafetyLayer
-from hil.safety_component import Safety
+from cosim.base.component import Setup
+from hil.safety.component import Safety
+from hil.safety.layer import SafetyLayer
+from hil.safety.limits import Limits
 
 
 def bound(**parameters):

@@ -14,11 +14,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.contract import ZERO, Outcome, State
-from hil.drivers.haply import OUTSTANDING_TICKS
-from hil.emulators.haply import SATURATION
-from hil.protocols import cobs, slcan
-from hil.slcan import StrictSlcanBus
+from hil.device.contract import ZERO, Outcome, State
+from hil.drivers.cobs import protocol as cobs
+from hil.drivers.haply.driver import OUTSTANDING_TICKS
+from hil.drivers.haply.emulator import SATURATION
+from hil.wire import slcan_lines as slcan
+from hil.wire.slcan import StrictSlcanBus
 from tests.fuzz.wire import on_wire
 
 LINES = [f"t{0x029 + n:03x}8{n:016x}\r".encode() for n in range(4)]

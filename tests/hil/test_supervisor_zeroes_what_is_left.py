@@ -11,10 +11,10 @@ import fault_table
 import pytest
 from driver_bench import DRIVERS, SETUPS, Bench
 
-from hil.contract import State
-from hil.errors import DeviceFault
-from hil.pulse import RUNNING, Pulse
-from hil.supervisor import supervise
+from cosim.base.pulse import RUNNING, Pulse
+from hil.device.contract import State
+from hil.device.errors import DeviceFault
+from hil.realtime.supervisor import supervise
 
 SERIAL = [name for name in DRIVERS if SETUPS[name].get("serial", False)]
 TICKS = 60

@@ -13,7 +13,7 @@ import struct
 import numpy as np
 import pytest
 
-from hil.protocols.cobs import CommandFlag, Splitter, command, crc, frame, payload
+from hil.drivers.cobs.protocol import CommandFlag, Splitter, command, crc, frame, payload
 from tests.fuzz import oracle
 
 BODIES = {"command": 14, "reply": 18}

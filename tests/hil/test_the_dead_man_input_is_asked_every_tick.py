@@ -11,13 +11,13 @@ from hil_bench import Puppet, mock, rested, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import InputError
-from hil.component import observe_rest
-from hil.contract import Cause, Outcome, State
-from hil.dead_man import EventKey, open_dead_man
-from hil.errors import ActivationRefused
-from hil.permission import dead_man
-from hil.session import Session
+from cosim.base.errors import InputError
+from hil.device.component import observe_rest
+from hil.device.contract import Cause, Outcome, State
+from hil.device.errors import ActivationRefused
+from hil.realtime.session import Session
+from hil.safety.dead_man import EventKey, open_dead_man
+from hil.safety.permission import dead_man
 
 SPACE, OTHER = 57, 30
 KEY, SYNC, DROPPED = 1, 0, 3

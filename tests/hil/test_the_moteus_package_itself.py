@@ -10,11 +10,11 @@ from fractions import Fraction
 import pytest
 from moteus_servos import Servos
 
-from hil.address import parse
-from hil.contract import ZERO, State
-from hil.device_file import parse as parse_file
-from hil.drivers.moteus import MoteusDevice
-from hil.permission import emulated
+from hil.device.contract import ZERO, State
+from hil.drivers.moteus.driver import MoteusDevice
+from hil.safety.permission import emulated
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
 
 pytest.importorskip("moteus")
 TICK = Fraction(1, 1024)

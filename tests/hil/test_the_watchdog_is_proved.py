@@ -9,16 +9,16 @@ from click.testing import CliRunner
 from driver_bench import DRIVERS, SETUPS, Bench
 from hil_bench import Puppet
 
+from cosim.base.errors import InputError
+from cosim.base.pulse import Pulse
 from cosim.cli import cli
-from cosim.errors import InputError
-from hil.address import parse
-from hil.contract import State, Watchdog
-from hil.device_file import default, load, save
-from hil.drivers.mock import MockDevice
-from hil.errors import ActivationRefused, DeviceError
-from hil.permission import ask
-from hil.pulse import Pulse
-from hil.safeguards import check_safeguards
+from hil.device.contract import State, Watchdog
+from hil.device.errors import ActivationRefused, DeviceError
+from hil.drivers.mock.driver import MockDevice
+from hil.safety.permission import ask
+from hil.safety.safeguards import check_safeguards
+from hil.setup.address import parse
+from hil.setup.device_file import default, load, save
 
 GUARDED = [name for name in DRIVERS if "watchdog_proof" in SETUPS[name]["file"]]
 ON_A_WIRE = [name for name in GUARDED if name != "odrive"]

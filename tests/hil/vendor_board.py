@@ -10,9 +10,9 @@ import multiprocessing
 from math import pi
 from typing import Any
 
-from hil.contract import ZERO
-from hil.emulators.plant import SimulatedPantograph
-from hil.linkage import Pair
+from hil.device.contract import ZERO
+from hil.emulation.plant import SimulatedPantograph
+from hil.safety.linkage import Pair
 
 PARAMETERS = {"device": 0, "initial_tip_position": (0.0425, 0.2)}
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import time
 
-from cosim.link.packet import LARGEST_DATAGRAM
-from cosim.link.proxy import Mangler, Proxy
-from cosim.link.transport import Address, UdpTransport, open_socket
+from cosim.link.wire.packet import LARGEST_DATAGRAM
+from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.testing.proxy import Mangler, Proxy
 from tests.link.simulated import SkewedClock
 from tests.link.world import SimulatedStation, share_session
 

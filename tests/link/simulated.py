@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from cosim.link.impairment import Impairer, Impairment
+from cosim.testing.impairment import Impairer, Impairment
 
 
 @dataclass

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cosim.link.bundle import Bundle, Field, FieldRole
-from cosim.link.keys import PreSharedKey, SessionKeys, session_keys
-from cosim.link.packet import DataWriter, Opener, Sealer
-from cosim.link.receiver import Receiver, ReceiverSettings
+from cosim.link.session.keys import PreSharedKey, SessionKeys, session_keys
+from cosim.link.stream.bundle import Bundle, Field, FieldRole
+from cosim.link.stream.receiver import Receiver, ReceiverSettings
+from cosim.link.wire.packet import DataWriter, Opener, Sealer
 
 TICK = Fraction(1, 1024)
 PERIOD = 8

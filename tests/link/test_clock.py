@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.clock import ClockEstimate, PhaseFollower
+from cosim.link.stream.clock import ClockEstimate, PhaseFollower
 
 
 def errors(

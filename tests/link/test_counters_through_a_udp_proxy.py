@@ -7,9 +7,9 @@ from collections import Counter
 
 import pytest
 
-from cosim.link.impairment import Impairer, Impairment
-from cosim.link.packet import DataWriter, Sealer
-from cosim.link.receiver import WINDOW, Fate
+from cosim.link.stream.receiver import WINDOW, Fate
+from cosim.link.wire.packet import DataWriter, Sealer
+from cosim.testing.impairment import Impairer, Impairment
 from tests.link.lockstep import TOO_LONG, UdpWorld
 from tests.link.support import OTHER_KEY, both_ends
 from tests.link.world import ACTIVE_STATUS

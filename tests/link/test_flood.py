@@ -8,9 +8,9 @@ import sys
 
 import pytest
 
-from cosim.link.packet import HEADER, DataWriter, Kind, Sealer
-from cosim.link.peer_link import READS_PER_TICK
-from cosim.link.receiver import Fate
+from cosim.link.stream.peer_link import READS_PER_TICK
+from cosim.link.stream.receiver import Fate
+from cosim.link.wire.packet import HEADER, DataWriter, Kind, Sealer
 from tests.link.lockstep import UdpWorld
 from tests.link.support import OTHER_KEY, both_ends
 

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.contract import Contract
-from cosim.link.handshake import CONFIRM_TRIES, MESSAGE_SIZE, RETRY, SECRET_LIFE, Handshake
-from cosim.link.packet import HEADER, Kind
+from cosim.link.session.contract import Contract
+from cosim.link.session.handshake import CONFIRM_TRIES, MESSAGE_SIZE, RETRY, SECRET_LIFE, Handshake
+from cosim.link.wire.packet import HEADER, Kind
 from tests.link.support import KEY, OTHER_KEY
 
 CONTRACT = Contract({"rate": 128, "gains": {"k": 800.0, "b": 3.0}})

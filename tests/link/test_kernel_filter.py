@@ -10,9 +10,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cosim.link.kernel_filter import attach, dropped, session_filter
-from cosim.link.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, Kind
-from cosim.link.transport import Address, open_socket
+from cosim.link.wire.kernel_filter import attach, dropped, session_filter
+from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, Kind
+from cosim.link.wire.transport import Address, open_socket
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a classic BPF filter is Linux's")
 

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cosim.base.errors import InputError
 from cosim.cli.keygen import command
-from cosim.errors import InputError
-from cosim.link.keys import create_key_file, read_key_file, session_keys
+from cosim.link.session.keys import create_key_file, read_key_file, session_keys
 from tests.link.support import KEY
 
 posix = pytest.mark.skipif(os.name != "posix", reason="file modes are a POSIX matter")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.link.impairment import Impairment
+from cosim.testing.impairment import Impairment
 from tests.link.simulated import Network, SkewedClock
 from tests.link.world import SimulatedStation, run, share_session
 

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 import pytest
 
-from cosim.link.contract import Contract
-from cosim.link.handshake import Handshake
-from cosim.link.impairment import Impairment
-from cosim.link.meeting import SYNC_SIZE, Meeting, State
+from cosim.link.session.contract import Contract
+from cosim.link.session.handshake import Handshake
+from cosim.link.session.meeting import SYNC_SIZE, Meeting, State
+from cosim.testing.impairment import Impairment
 from tests.link.simulated import Network, SkewedClock
 from tests.link.support import KEY
 

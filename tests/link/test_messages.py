@@ -8,14 +8,14 @@ import struct
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
 from cosim.cli.netchar import command as netchar
 from cosim.cli.station import command as station
-from cosim.errors import InputError
-from cosim.link.doorman import NOTE, _Process
-from cosim.link.handshake import Handshake
-from cosim.link.keys import KEY_SIZE, PreSharedKey, create_key_file
-from cosim.link.packet import HEADER, MAGIC, VERSION, Kind
-from cosim.link.transport import Address, open_socket
+from cosim.link.session.doorman import NOTE, _Process
+from cosim.link.session.handshake import Handshake
+from cosim.link.session.keys import KEY_SIZE, PreSharedKey, create_key_file
+from cosim.link.wire.packet import HEADER, MAGIC, VERSION, Kind
+from cosim.link.wire.transport import Address, open_socket
 
 LOCAL = Address("127.0.0.1", 0)
 STATION = ["two_users_box", "--as", "station_a", "--wait", "1", "--no-figure"]
@@ -159,7 +159,7 @@ def test_an_address_where_nobody_listens_is_said() -> None:
 
 
 def test_noise_and_a_good_greeting_are_not_worth_a_word() -> None:
-    from cosim.link.keys import NO_KEY
+    from cosim.link.session.keys import NO_KEY
 
     good = Handshake(own="b", peer="a", key=NO_KEY, contract=_contract()).poll(0)
     assert good is not None
@@ -168,6 +168,6 @@ def test_noise_and_a_good_greeting_are_not_worth_a_word() -> None:
 
 
 def _contract():
-    from cosim.link.contract import Contract
+    from cosim.link.session.contract import Contract
 
     return Contract({"rate": 128})

@@ -12,10 +12,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError, RunError
 from cosim.cli.netchar import command
-from cosim.errors import InputError, RunError
-from cosim.link.handshake import MESSAGE_SIZE, RETRY, Handshake
-from cosim.link.impairment import Impairer, Impairment, Injected
 from cosim.link.netchar.preset import channel_preset
 from cosim.link.netchar.probe import Measurement, Probe
 from cosim.link.netchar.relay import (
@@ -32,9 +30,11 @@ from cosim.link.netchar.relay import (
 )
 from cosim.link.netchar.search import search_rate
 from cosim.link.netchar.statistics import characterise, fit_bursts
-from cosim.link.packet import Kind, Opener, Sealer
-from cosim.link.proxy import Proxy
-from cosim.link.transport import Address, open_socket
+from cosim.link.session.handshake import MESSAGE_SIZE, RETRY, Handshake
+from cosim.link.wire.packet import Kind, Opener, Sealer
+from cosim.link.wire.transport import Address, open_socket
+from cosim.testing.impairment import Impairer, Impairment, Injected
+from cosim.testing.proxy import Proxy
 from tests.link.support import KEY, OTHER_KEY
 
 LOCAL = Address("127.0.0.1", 0)
@@ -386,7 +386,7 @@ def test_the_preset_is_a_channel_of_a_scenario() -> None:
     ],
 )
 def test_what_cannot_be_is_a_sentence(options, message, tmp_path) -> None:
-    from cosim.link.keys import create_key_file
+    from cosim.link.session.keys import create_key_file
 
     create_key_file(tmp_path / "KEY")
     options = [str(tmp_path / o) if o == "KEY" else o for o in options]

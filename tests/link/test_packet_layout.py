@@ -13,9 +13,9 @@ from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import InputError
-from cosim.link.bundle import Bundle, Field
-from cosim.link.packet import DataReader, DataWriter, Opener, Sealer, datagram_size
+from cosim.base.errors import InputError
+from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.wire.packet import DataReader, DataWriter, Opener, Sealer, datagram_size
 from tests.link.support import KEY, PERIOD, TICK, both_ends, small_bundle
 
 PROTOCOL = Path(__file__).parents[2] / "docs" / "protocol.md"

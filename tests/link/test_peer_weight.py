@@ -8,7 +8,7 @@ from fractions import Fraction
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.peer import LossPolicy, PeerState, PeerWeight
+from cosim.link.stream.peer import LossPolicy, PeerState, PeerWeight
 
 TICK = Fraction(1, 1024)
 PERIOD = 8

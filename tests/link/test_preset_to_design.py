@@ -10,12 +10,12 @@ import pytest
 from click.testing import CliRunner
 
 from cosim.cli import cli
-from cosim.link.impairment import Impairer, Impairment
 from cosim.link.netchar.preset import channel_preset
 from cosim.link.netchar.probe import Measurement
 from cosim.link.netchar.statistics import characterise
 from cosim.scenario import load
-from cosim.theory.network import Network
+from cosim.testing.impairment import Impairer, Impairment
+from cosim.theory.chance.network import Network
 
 OVERLAY = """channels:
   lan: {include: lan.yaml, round_trip_delay: null}

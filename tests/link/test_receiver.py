@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.bundle import Bundle, Field
-from cosim.link.packet import HEADER, DataWriter, Opener, Sealer
-from cosim.link.receiver import WINDOW, Fate, Receiver, ReceiverSettings, Release
+from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.receiver import WINDOW, Fate, Receiver, ReceiverSettings, Release
+from cosim.link.wire.packet import HEADER, DataWriter, Opener, Sealer
 from tests.link.support import OTHER_KEY, PERIOD, TICK, Pair, both_ends, make_pair, small_bundle
 
 

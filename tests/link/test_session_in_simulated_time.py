@@ -6,10 +6,10 @@ import itertools
 
 import pytest
 
-from cosim.link.impairment import Impairment
-from cosim.link.peer import PeerState
-from cosim.link.receiver import Fate
-from cosim.link.settings import ClockMode, LinkSettings
+from cosim.link.stream.peer import PeerState
+from cosim.link.stream.receiver import Fate
+from cosim.link.stream.settings import ClockMode, LinkSettings
+from cosim.testing.impairment import Impairment
 from tests.link.simulated import Network, SkewedClock
 from tests.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session
 

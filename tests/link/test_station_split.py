@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from cosim.errors import InputError
-from cosim.link.contract import Contract
-from cosim.link.peer_link import PeerLink
-from cosim.link.remote import Grid, RemoteStation
-from cosim.link.settings import LinkSettings
-from cosim.link.transport import Address
-from cosim.master.assemble import put_together
+from cosim.base.errors import InputError
+from cosim.link.session.contract import Contract
+from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.stream.settings import LinkSettings
+from cosim.link.wire.transport import Address
+from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
 from cosim.scenario import load
 from cosim.session import run_scenario

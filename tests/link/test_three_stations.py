@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.link.keys import session_keys
-from cosim.link.peer_link import PeerLink
-from cosim.link.receiver import Fate
-from cosim.link.remote import Grid, RemoteStation
-from cosim.link.transport import Address, open_socket
-from cosim.master.assemble import put_together
+from cosim.link.session.keys import session_keys
+from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.receiver import Fate
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.wire.transport import Address, open_socket
+from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
 from cosim.scenario import load
 from cosim.session import run_scenario

@@ -10,14 +10,14 @@ from fractions import Fraction
 
 import numpy as np
 
-from cosim.component import Causality, Setup, VariableType
-from cosim.link.bundle import Bundle, Field, FieldRole
-from cosim.link.clock import PhaseFollower
-from cosim.link.keys import session_keys
-from cosim.link.peer_link import PeerLink
-from cosim.link.remote import Grid, RemoteStation
-from cosim.link.settings import ClockMode, LinkSettings
-from cosim.link.transport import Transport
+from cosim.base.component import Causality, Setup, VariableType
+from cosim.link.session.keys import session_keys
+from cosim.link.stream.bundle import Bundle, Field, FieldRole
+from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.stream.settings import ClockMode, LinkSettings
+from cosim.link.wire.transport import Transport
 from tests.link.simulated import Network, SkewedClock
 from tests.link.support import KEY
 

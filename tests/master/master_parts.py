@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Mapping, Sequence
 
-from cosim.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 
 
 class Growing(Component):

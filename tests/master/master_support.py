@@ -8,8 +8,8 @@ from pathlib import Path
 from textwrap import dedent
 from typing import Any
 
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import Simulation, assemble
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
 
 

@@ -10,9 +10,9 @@ import pytest
 from master_support import scenario_of
 
 import fmus.probe
-from cosim.errors import RunError
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import Simulation, assemble
+from cosim.base.errors import RunError
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import Simulation, assemble
 
 
 def failing(flavour: str, kind: str, at: int = 100) -> dict[str, Any]:

@@ -9,8 +9,8 @@ from master_parts import Growing
 from master_support import run, scenario_of
 from single_axis import GAINS, single_axis
 
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import assemble
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import assemble
 from cosim.record.writer import Recorder
 
 

@@ -13,8 +13,8 @@ from master_support import scenario_of
 
 import fmus
 import fmus.probe
-from cosim.errors import InputError, InputErrors
-from cosim.master.simulation import assemble
+from cosim.base.errors import InputError, InputErrors
+from cosim.master.run.simulation import assemble
 
 
 def hands(**more: Any) -> dict[str, Any]:

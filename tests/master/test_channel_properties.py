@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from master_support import run, scenario_of
 
 import fmus.probe
-from cosim.master.channels import LOST, NO_COPY, Fates
-from cosim.master.counter import draws, stream_key
+from cosim.base.counter import draws, stream_key
+from cosim.master.channels.fates import LOST, NO_COPY, Fates
 from cosim.scenario import (
     Bernoulli,
     Delay,

@@ -12,10 +12,10 @@ from master_support import run, scenario_of
 from single_axis import ARCHITECTURES, GAINS, single_axis
 
 import fmus.probe
-from cosim.master.assemble import put_together
-from cosim.master.recording import MemorySink
-from cosim.master.reference import ReferenceLoop
+from cosim.base.recording import MemorySink
+from cosim.master.assembly.assemble import put_together
 from cosim.scenario import Scenario
+from cosim.testing.reference_loop import ReferenceLoop
 
 CHANNEL = {
     "round_trip_delay": 1,

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import RunError
-from cosim.master.deadlines import Cause, Deadlines
-from cosim.master.pacing import DeadlinePacer, sleep_until
+from cosim.base.errors import RunError
+from cosim.master.run.deadlines import Cause, Deadlines
+from cosim.master.run.pacing import DeadlinePacer, sleep_until
 
 TICK = Fraction(1, 1024)
 PERIOD = 976562.5

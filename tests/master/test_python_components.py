@@ -10,10 +10,10 @@ import pytest
 from master_support import run, scenario_of
 from single_axis import GAINS, single_axis
 
-from cosim.errors import InputError
-from cosim.master.pacing import DeadlinePacer
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import assemble
+from cosim.base.errors import InputError
+from cosim.base.recording import MemorySink
+from cosim.master.run.pacing import DeadlinePacer
+from cosim.master.run.simulation import assemble
 
 
 def test_a_coupler_in_python_gives_the_bits_of_the_fmu(tmp_path: Path) -> None:

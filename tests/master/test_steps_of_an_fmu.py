@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from master_support import run, scenario_of
 
 import fmus.probe
-from cosim.errors import InputError, RunError
-from cosim.master.clock import HYPERPERIOD_LIMIT, Clock
-from cosim.master.fmu import Fmu
-from cosim.master.plan import due_together
+from cosim.base.errors import InputError, RunError
+from cosim.master.assembly.clock import HYPERPERIOD_LIMIT, Clock
+from cosim.master.assembly.plan import due_together
+from cosim.master.fmu.instance import Fmu
 
 
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])

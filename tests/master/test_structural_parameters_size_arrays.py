@@ -11,8 +11,8 @@ import pytest
 from master_support import scenario_of
 
 import fmus
-from cosim.errors import InputError
-from cosim.master.simulation import assemble
+from cosim.base.errors import InputError
+from cosim.master.run.simulation import assemble
 
 
 @pytest.fixture

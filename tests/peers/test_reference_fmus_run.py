@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from reference_fmus import build, model_names
 
-from cosim.errors import InputError, RunError
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import assemble
+from cosim.base.errors import InputError, RunError
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import assemble
 from cosim.scenario import load
 
 SOURCES = Path(os.environ.get("COHAPTIC_REFERENCE_FMUS", "Reference-FMUs"))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.development import Instance
-from fmus.shared.device import presets
+from fmus.shared.mechanism.device import presets
 
 T = 1 / 1024
 Array = NDArray[np.float64]

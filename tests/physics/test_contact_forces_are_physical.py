@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from planar_oracle import Bench, T
 
-from fmus.shared.environment import TABLE_8_1
+from fmus.shared.world.environment import TABLE_8_1
 
 FREE, PRE_SLIDE, SLIDE = 0, 2, 3
 

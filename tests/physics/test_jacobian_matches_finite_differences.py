@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from planar_oracle import preset_bar
 
 from fmus.development import Instance
-from fmus.shared.device import presets
+from fmus.shared.mechanism.device import presets
 
 LOW, HIGH = np.radians(86.0), {0: np.radians(199.0), 1: np.radians(180.0)}
 unit = st.floats(0.0, 1.0)

@@ -10,7 +10,7 @@ from planar_oracle import IDEAL_DEVICE, Array, T, preset_bar
 from scipy.integrate import solve_ivp
 
 from fmus.development import Instance
-from fmus.shared.device import presets
+from fmus.shared.mechanism.device import presets
 
 FINGER = 0.06
 BAR = preset_bar(0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from synthetic_run import write
 
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 
 HELD = Column(name="lan.held", unit="m/s", is_float=True)
 

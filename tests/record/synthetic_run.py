@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cosim.master.recording import RecordGroup
+from cosim.base.recording import RecordGroup
 from cosim.record.writer import Recorder
 
 Cells = NDArray[np.int64]

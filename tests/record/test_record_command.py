@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
 from cosim.cli.record import command
-from cosim.errors import InputError
 
 
 def invoke(*arguments: object) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from synthetic_run import RATE, Cells, write
 
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import digest, layout, open_run
 
 FORCE = Column(name="vr_a.force", unit="N", is_float=True, description="what the finger feels")

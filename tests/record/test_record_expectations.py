@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scenario_files import scenario
 from synthetic_run import write
 
-from cosim.errors import InputError
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.errors import InputError
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
 from cosim.report.expectation import COMPARISONS, Verdict, evaluate, parse_expectations
 from cosim.report.window import MEASURES

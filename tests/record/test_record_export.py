@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import loadmat
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.record import open_run
 from cosim.record.export import MATLAB_NAME_LENGTH, export, matlab_names
 from cosim.record.export_mcap import ros_names

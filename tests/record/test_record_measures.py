@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from synthetic_run import write
 
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
 from cosim.report.measures import SCENARIO_MEASURES, SETTLING
 from cosim.report.overview import draw_overview

@@ -14,7 +14,7 @@ import sys
 import numpy as np
 from fractions import Fraction
 from pathlib import Path
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import digest, open_run
 from cosim.record.writer import Recorder
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from synthetic_run import write
 
-from cosim.errors import InputError
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.errors import InputError
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import layout, open_run
 
 ANY_BITS = st.integers(-(2**63), 2**63 - 1)

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from synthetic_run import small_disk
 
+from cosim.base.errors import InputError
 from cosim.cli.run import command
-from cosim.errors import InputError
 from cosim.record import digest, open_run
 from cosim.scenario import load
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from synthetic_run import small_disk
 
-from cosim.errors import RunError
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.errors import RunError
+from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run, writer
 from cosim.record.writer import Recorder
 
@@ -34,7 +34,7 @@ import sys, time
 import numpy as np
 from fractions import Fraction
 from pathlib import Path
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup
 from cosim.record.writer import Recorder
 
 columns = int(sys.argv[2])
@@ -135,8 +135,8 @@ import sys, resource
 import numpy as np
 from fractions import Fraction
 from pathlib import Path
-from cosim.errors import RunError
-from cosim.master.recording import Column, RecordGroup
+from cosim.base.errors import RunError
+from cosim.base.recording import Column, RecordGroup
 from cosim.record.writer import Recorder
 
 columns = int(sys.argv[2])

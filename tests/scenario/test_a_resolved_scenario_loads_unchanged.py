@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from scenario_documents import documents
 
 from cosim.scenario import Scenario, load
-from cosim.scenario.find import bundled_names
+from cosim.scenario.source.find import bundled_names
 
 BUNDLED = [name for name in bundled_names() if "/" not in name]
 

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Bernoulli, Channel, GilbertElliott, Scenario
-from cosim.scenario.build_channel import uniform
+from cosim.scenario.build.channel import uniform
 
 Load = Callable[..., Scenario]
 

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from cosim.cli.check import command
 from cosim.scenario import load
-from cosim.scenario.find import bundled_names
+from cosim.scenario.source.find import bundled_names
 
 SCENARIOS = [name for name in bundled_names() if "/" not in name]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from cosim.errors import InputError, InputErrors
+from cosim.base.errors import InputError, InputErrors
 from cosim.scenario import Scenario
 
 # What is replaced in the small scenario, by what, and the one line that must come out.

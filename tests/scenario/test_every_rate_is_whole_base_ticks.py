@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import Scenario
-from cosim.scenario.fields import Lag
-from cosim.scenario.timebase import (
+from cosim.scenario.build.timebase import (
     FINEST,
     Timebase,
     check_base_rate,
     choose_base_rate,
     common_rate,
 )
+from cosim.scenario.form.fields import Lag
 
 Load = Callable[..., Scenario]
 RATES = st.fractions(min_value=1, max_value=5000, max_denominator=12)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scenario_documents import documents
 from small_scenario import SMALL
 
-from cosim.errors import InputError, InputErrors
+from cosim.base.errors import InputError, InputErrors
 from cosim.scenario import load
 
 JUNK = st.recursive(

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.errors import InputError, Location
+from cosim.base.errors import InputError, Location
+from cosim.base.node import Node
 from cosim.scenario import Kind, Scenario
-from cosim.scenario.merge import merge, normalise
-from cosim.scenario.override import apply_override
-from cosim.scenario.source import Node
+from cosim.scenario.source.merge import merge, normalise
+from cosim.scenario.source.override import apply_override
 
 Load = Callable[..., Scenario]
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.scenario.quantity import (
+from cosim.base.quantity import (
     QuantityError,
     exact,
     format_exact,

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 from cosim.scenario import load
-from cosim.scenario.find import bundled_folder, bundled_names, find_file, shown_name
+from cosim.scenario.source.find import bundled_folder, bundled_names, find_file, shown_name
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from cosim.scenario.document import Document, json_schema
-from cosim.scenario.find import bundled_folder
+from cosim.scenario.form.document import Document, json_schema
+from cosim.scenario.source.find import bundled_folder
 
 
 def test_the_bundled_schema_is_up_to_date() -> None:

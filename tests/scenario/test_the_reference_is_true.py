@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import CohapticError
 from cosim.cli.check import command
-from cosim.errors import CohapticError
-from cosim.master.simulation import assemble
+from cosim.master.run.simulation import assemble
 from cosim.scenario import load
 
 PAGE = Path(__file__).parents[2] / "docs" / "scenario.md"

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 from hypothesis import strategies as st
 
-from cosim.theory.models import Centralized, Distributed, Model
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.mass_spring_damper import Centralized, Distributed, Model
+from cosim.theory.models.timing import Delay, Timing
 
 MASSES = st.floats(0.05, 2.0)
 STIFFNESSES = st.floats(1.0, 5000.0)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cosim.errors import InputError
-from cosim.theory.admittance import Case, Felt, default_parameters, perceived
-from cosim.theory.damping import limit_damping
-from cosim.theory.frame import Frame, assemble
-from cosim.theory.parameters import TABLE_6_1, Parameters
-from cosim.theory.stiffness import equivalent_stiffness
-from cosim.theory.timing import Delay, Timing
+from cosim.base.errors import InputError
+from cosim.theory.models.frame import Frame, assemble
+from cosim.theory.models.parameters import TABLE_6_1, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.transparency.admittance import Case, Felt, default_parameters, perceived
+from cosim.theory.transparency.damping import limit_damping
+from cosim.theory.transparency.stiffness import equivalent_stiffness
 
 ONE = Timing(delay=Delay.round_trip(1))
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.theory.damping import (
+from cosim.theory.transparency.damping import (
     centralized_damping_two_samples,
     distributed_damping_two_samples,
     original_damping_two_samples,

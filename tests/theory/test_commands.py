@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
 from cosim.cli import cli
-from cosim.errors import InputError
 
 
 def run(*arguments: str) -> str:

@@ -7,13 +7,13 @@ from fractions import Fraction
 import pytest
 from ruamel.yaml import YAML
 
-from cosim.errors import InputError
+from cosim.base.errors import InputError
+from cosim.theory.chance.mean_square import mean_square_radius
+from cosim.theory.chance.network import Network
+from cosim.theory.chance.packets import bernoulli
 from cosim.theory.design import Design, design, overlay
-from cosim.theory.margins import scaled
-from cosim.theory.mean_square import mean_square_radius
-from cosim.theory.network import Network
-from cosim.theory.packets import bernoulli
-from cosim.theory.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.stability.margins import scaled
 
 T_C, T_T = Fraction(1, 1024), Fraction(1, 128)
 

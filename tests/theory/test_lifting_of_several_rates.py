@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from cosim.theory.lifting import Signal, lift
+from cosim.theory.models.lifting import Signal, lift
 
 TICK = 1e-3
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cosim.errors import InputError
-from cosim.theory.frame import HOLD, assemble
-from cosim.theory.mean_square import JumpSystem, critical_loss, jump_system, mean_square_radius
-from cosim.theory.models import Model
-from cosim.theory.packets import (
+from cosim.base.errors import InputError
+from cosim.theory.chance.mean_square import (
+    JumpSystem,
+    critical_loss,
+    jump_system,
+    mean_square_radius,
+)
+from cosim.theory.chance.packets import (
     Losses,
     bernoulli,
     gilbert_elliott,
@@ -17,9 +20,11 @@ from cosim.theory.packets import (
     join,
     random_delay,
 )
-from cosim.theory.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.stability import stability
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.frame import HOLD, assemble
+from cosim.theory.models.mass_spring_damper import Model
+from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.spectral_radius import stability
 
 
 def loop(architecture: Architecture = "distributed", **given: float) -> Model:

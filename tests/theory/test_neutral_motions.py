@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.theory.compensation import null_compensation
-from cosim.theory.damping import uniform_compensation
-from cosim.theory.frame import assemble
-from cosim.theory.parameters import CHAPTER_5, TABLE_6_1, Architecture, Parameters
-from cosim.theory.stability import stability
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.frame import assemble
+from cosim.theory.models.parameters import CHAPTER_5, TABLE_6_1, Architecture, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.spectral_radius import stability
+from cosim.theory.transparency.compensation import null_compensation
+from cosim.theory.transparency.damping import uniform_compensation
 
 
 def parameters(architecture: Architecture = "distributed", **given: float) -> Parameters:

@@ -6,19 +6,19 @@ from fractions import Fraction
 
 import pytest
 
-from cosim.theory.compensation import null_compensation
-from cosim.theory.damping import (
+from cosim.theory.models.mass_spring_damper import Model
+from cosim.theory.models.parameters import CHAPTER_5, TABLE_6_1, WALL, Architecture, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.spectral_radius import stability, stable_intervals
+from cosim.theory.transparency.compensation import null_compensation
+from cosim.theory.transparency.damping import (
     centralized_damping_two_samples,
     distributed_damping_two_samples,
     limit_damping,
     original_damping_two_samples,
     uniform_compensation,
 )
-from cosim.theory.models import Model
-from cosim.theory.parameters import CHAPTER_5, TABLE_6_1, WALL, Architecture, Parameters
-from cosim.theory.stability import stability, stable_intervals
-from cosim.theory.stiffness import distributed_stiffness, equivalent_stiffness
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.transparency.stiffness import distributed_stiffness, equivalent_stiffness
 
 
 def timing(n: int, ratio: int = 8, computation_delay: int = 0) -> Timing:

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cosim.errors import InputError
-from cosim.theory.margins import margins, scaled
-from cosim.theory.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.passivity import damping_for_passivity, passive_stiffness
-from cosim.theory.stability import stability
-from cosim.theory.timing import Delay, Timing
+from cosim.base.errors import InputError
+from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.margins import margins, scaled
+from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
+from cosim.theory.stability.spectral_radius import stability
 
 T = 1 / 1024
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
+from cosim.base.recording import MemorySink
 from cosim.cli import cli
-from cosim.errors import InputError
-from cosim.master.recording import MemorySink
-from cosim.master.simulation import assemble
+from cosim.master.run.simulation import assemble
 from cosim.scenario import load
 
 AT_REST = ("components.step_1.parameters.amplitude=0",)

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.theory.chapter_5 import DELAYS, FIGURES, StabilityFigure
-from cosim.theory.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.schur_cohn import all_roots_inside, divide_by_z_minus_one, multiply
-from cosim.theory.stability import stability
-from cosim.theory.stability_map import Axis, stability_maps
-from cosim.theory.station import Station, hand_alone, object_station
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.chapters.chapter_5 import DELAYS, FIGURES, StabilityFigure
+from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.models.station import Station, hand_alone, object_station
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.map import Axis, stability_maps
+from cosim.theory.stability.schur_cohn import all_roots_inside, divide_by_z_minus_one, multiply
+from cosim.theory.stability.spectral_radius import stability
 
 
 @settings(deadline=None)

@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from cosim.errors import InputError
-from cosim.theory.monodromy import monodromy
-from cosim.theory.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.quotient import decisive_spectrum
-from cosim.theory.stability import stability, stable_intervals
-from cosim.theory.timing import Delay, Timing
+from cosim.base.errors import InputError
+from cosim.theory.models.monodromy import monodromy
+from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.quotient import decisive_spectrum
+from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 
 def timing(n: int) -> Timing:

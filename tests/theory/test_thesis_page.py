@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.theory.direct import direct_model
-from cosim.theory.lifting import Signal, lift
+from cosim.theory.chapters.thesis_page import thesis_page
+from cosim.theory.models.direct import direct_model
+from cosim.theory.models.lifting import Signal, lift
+from cosim.theory.models.parameters import TABLE_6_1, Parameters
+from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import spectral_radius
-from cosim.theory.parameters import TABLE_6_1, Parameters
-from cosim.theory.thesis_page import thesis_page
-from cosim.theory.timing import Timing
 
 PAGE = Path(__file__).parents[2] / "docs" / "thesis.md"
 

@@ -9,13 +9,13 @@ import scipy.linalg
 import scipy.optimize
 from hypothesis import given, settings
 
-from cosim.theory.direct import direct_model
-from cosim.theory.frame import assemble
-from cosim.theory.models import Model
-from cosim.theory.monodromy import monodromy
+from cosim.theory.models.direct import direct_model
+from cosim.theory.models.frame import assemble
+from cosim.theory.models.mass_spring_damper import Model
+from cosim.theory.models.monodromy import monodromy
+from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import eigenvalues
-from cosim.theory.quotient import without_translation
-from cosim.theory.timing import Timing
+from cosim.theory.stability.quotient import without_translation
 from tests.theory.strategies import RATIONAL_RATIOS, WHOLE_RATIOS, models, timings
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from cosim.analysis.modes import centralized_modes, distributed_modes, modes
 from cosim.scenario import load
-from cosim.theory.stability import stability
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.stability.spectral_radius import stability
 from cosim.thesis import breaking
 from cosim.thesis.beyond import RADIUS_DELAYS, Beyond, radii_of
 from cosim.thesis.beyond_figures import FIGURES, draw_beyond

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cosim.analysis import load_tuned
-from cosim.errors import InputError
+from cosim.base.errors import InputError
 
 FREE_MOTION = "thesis/free_motion"
 

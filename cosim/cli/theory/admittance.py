@@ -11,8 +11,8 @@ import click
 import numpy as np
 
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.admittance import ARCHITECTURE_OF, Case, Felt, perceived
-from cosim.theory.parameters import Architecture
+from cosim.theory.models.parameters import Architecture
+from cosim.theory.transparency.admittance import ARCHITECTURE_OF, Case, Felt, perceived
 
 
 def _architecture_felt(values: Mapping[str, Any]) -> Architecture | None:

@@ -7,9 +7,9 @@ from typing import get_args
 import click
 
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.compensation import null_compensation
-from cosim.theory.damping import DampingModel
-from cosim.theory.stability import stability
+from cosim.theory.stability.spectral_radius import stability
+from cosim.theory.transparency.compensation import null_compensation
+from cosim.theory.transparency.damping import DampingModel
 
 FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
 """Who feels it, by architecture: the remote user of the centralized loop, user 1 of the others."""

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.errors import InputError
+from cosim.theory.chance.network import Network
 from cosim.theory.design import design, overlay
-from cosim.theory.network import Network
 
 
 @click.command()

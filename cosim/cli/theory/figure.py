@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-from cosim.errors import InputError
-from cosim.suggest import did_you_mean
-from cosim.theory import chapter_5, chapter_6
-from cosim.theory.stability_map import stability_maps
-from cosim.theory.timing import Timing
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
+from cosim.theory.chapters import chapter_5, chapter_6
+from cosim.theory.models.timing import Timing
+from cosim.theory.stability.map import stability_maps
 
 
 @click.command()

@@ -8,10 +8,10 @@ from typing import get_args
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.errors import InputError
-from cosim.theory.mean_square import critical_loss, mean_square_radius
-from cosim.theory.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
+from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
+from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
 
 
 @click.command()

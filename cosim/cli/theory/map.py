@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 import numpy as np
 
+from cosim.base.errors import InputError
 from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
-from cosim.errors import InputError
-from cosim.theory.stability_map import Axis, stability_maps
+from cosim.theory.stability.map import Axis, stability_maps
 
 
 @click.command()

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from cosim.errors import InputError
-from cosim.theory.models import Model
-from cosim.theory.parameters import (
+from cosim.base.errors import InputError
+from cosim.theory.models.mass_spring_damper import Model
+from cosim.theory.models.parameters import (
     ARCHITECTURES,
     CHAPTER_5,
     TABLE_6_1,
     Architecture,
     Parameters,
 )
-from cosim.theory.timing import Delay, Timing
+from cosim.theory.models.timing import Delay, Timing
 
 if TYPE_CHECKING:
     from cosim.analysis.single_axis import ScenarioLoop

@@ -18,14 +18,14 @@ def command(out: Path | None) -> None:
 
     With --out the figures go to images/theory beside the page.
     """
-    from cosim.theory.thesis_page import thesis_page
+    from cosim.theory.chapters.thesis_page import thesis_page
 
     page = thesis_page()
     if out is None:
         click.echo(page, nl=False)
         return
     from cosim.cli.theory.figure import draw
-    from cosim.theory import chapter_5, chapter_6
+    from cosim.theory.chapters import chapter_5, chapter_6
 
     folder = out.parent / "images" / "theory"
     folder.mkdir(parents=True, exist_ok=True)

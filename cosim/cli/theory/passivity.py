@@ -6,7 +6,7 @@ import click
 import numpy as np
 
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.passivity import damping_for_passivity, passive_stiffness
+from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 
 
 @click.command()

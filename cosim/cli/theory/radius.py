@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.stability import stability
+from cosim.theory.stability.spectral_radius import stability
 
 
 @click.command()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.parameters import WALL
-from cosim.theory.stiffness import distributed_stiffness, equivalent_stiffness
+from cosim.theory.models.parameters import WALL
+from cosim.theory.transparency.stiffness import distributed_stiffness, equivalent_stiffness
 
 
 @click.command()

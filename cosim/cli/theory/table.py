@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from cosim.errors import InputError
-from cosim.suggest import did_you_mean
-from cosim.theory.chapter_6 import table_6_1, table_6_2
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
+from cosim.theory.chapters.chapter_6 import table_6_1, table_6_2
 
 
 @click.command()

@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import InputError, RunError
-from cosim.link.handshake import MESSAGE_SIZE, Handshake
-from cosim.link.keys import PreSharedKey
+from cosim.base.errors import InputError, RunError
 from cosim.link.netchar.relay import (
     CLIENT,
     CONTRACT,
@@ -24,8 +22,10 @@ from cosim.link.netchar.relay import (
     SERVER,
     SMALLEST,
 )
-from cosim.link.packet import HEADER, Kind, Opener, Sealer
-from cosim.link.transport import LARGEST_READ, UdpTransport
+from cosim.link.session.handshake import MESSAGE_SIZE, Handshake
+from cosim.link.session.keys import PreSharedKey
+from cosim.link.wire.packet import HEADER, Kind, Opener, Sealer
+from cosim.link.wire.transport import LARGEST_READ, UdpTransport
 
 Times = NDArray[np.int64]
 

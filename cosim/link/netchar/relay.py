@@ -15,12 +15,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from cosim.link.contract import Contract
-from cosim.link.handshake import MESSAGE_SIZE, Handshake
-from cosim.link.keys import PreSharedKey
-from cosim.link.packet import HEADER, MAGIC, TAG_SIZE, VERSION, Kind, Opener, Sealer
-from cosim.link.receiver import WINDOW, WINDOW_MASK
-from cosim.link.transport import LARGEST_READ, UdpTransport
+from cosim.link.session.contract import Contract
+from cosim.link.session.handshake import MESSAGE_SIZE, Handshake
+from cosim.link.session.keys import PreSharedKey
+from cosim.link.stream.receiver import WINDOW, WINDOW_MASK
+from cosim.link.wire.packet import HEADER, MAGIC, TAG_SIZE, VERSION, Kind, Opener, Sealer
+from cosim.link.wire.transport import LARGEST_READ, UdpTransport
 
 SERVER, CLIENT = "relay", "source"
 CONTRACT = Contract({"netchar": 1})

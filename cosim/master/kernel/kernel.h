@@ -1,7 +1,7 @@
 /* The compiled loop of the master: it runs a plan over raw FMI functions.
 
    Freestanding C: no allocation and no libc. Every pointer is owned by the caller (Python), which
-   lays out the structures below field by field (cosim/master/native.py). A cell is 8 bytes: a
+   lays out the structures below field by field (cosim/master/kernel/native.py). A cell is 8 bytes: a
    double, or an int64 for every other numeric type. */
 
 #ifndef COHAPTIC_KERNEL_H

@@ -1,7 +1,7 @@
 /* Packets on their way: sampled, delayed, lost, doubled, delivered and held.
 
    What becomes of each packet (its delay in ticks, or that it is lost) was drawn before, by
-   cosim/master/channels.py; here it is only carried out. */
+   cosim/master/channels/fates.py; here it is only carried out. */
 
 #include "kernel.h"
 

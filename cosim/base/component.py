@@ -1,0 +1,157 @@
+"""The component protocol: what the master, Python models and devices agree on.
+
+A component has named, typed, unit-carrying variables and a period in ticks. The master binds each
+input and output to a NumPy view of its own signal buffer once; after that nothing is allocated or
+copied by name. At tick k the master calls, in this order (each only when the component is due):
+
+1. ``read(k)``      a device takes its measurements; a model does nothing.
+2. ``evaluate(k)``  outputs from the committed state and the inputs now; pure, may be called again.
+3. ``write(k)``     a device sends its command, right after all outputs are evaluated.
+4. ``step(k)``      a model commits its state over [k, k + period) with the inputs at k.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Causality(StrEnum):
+    """How a variable is seen from outside (FMI 3.0, section 2.4.7.4)."""
+
+    STRUCTURAL_PARAMETER = "structuralParameter"
+    PARAMETER = "parameter"
+    CALCULATED_PARAMETER = "calculatedParameter"
+    INPUT = "input"
+    OUTPUT = "output"
+    LOCAL = "local"
+    INDEPENDENT = "independent"
+
+
+class VariableType(StrEnum):
+    """The type of a variable, named as in FMI 3.0; FMI 2.0 types map onto Float64 and Int32."""
+
+    FLOAT32 = "Float32"
+    FLOAT64 = "Float64"
+    INT8 = "Int8"
+    UINT8 = "UInt8"
+    INT16 = "Int16"
+    UINT16 = "UInt16"
+    INT32 = "Int32"
+    UINT32 = "UInt32"
+    INT64 = "Int64"
+    UINT64 = "UInt64"
+    BOOLEAN = "Boolean"
+    ENUMERATION = "Enumeration"
+    STRING = "String"
+    BINARY = "Binary"
+
+    @property
+    def is_float(self) -> bool:
+        """Whether a cell of this type holds a double; every other numeric type holds an int64."""
+        return self in {VariableType.FLOAT32, VariableType.FLOAT64}
+
+
+class Role(StrEnum):
+    """What becomes of a pantograph variable when a device takes the model's place."""
+
+    ACTUATED = "actuated"
+    MEASURED = "measured"
+    DERIVED = "derived"
+    SIMULATION_ONLY = "simulation_only"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One variable of a component.
+
+    ``shape`` is empty for a scalar and ``(n,)`` or ``(n, m)`` for an array. ``unit`` is the FMI
+    unit string, ``None`` where the variable has none. ``start`` has ``shape`` or is a scalar.
+    """
+
+    name: str
+    type: VariableType = VariableType.FLOAT64
+    causality: Causality
+    variability: str = "continuous"
+    unit: str | None = None
+    start: Any = None
+    shape: tuple[int, ...] = ()
+    minimum: float | None = None
+    maximum: float | None = None
+    description: str = ""
+    role: Role | None = None
+    items: Mapping[str, int] | None = None
+
+
+Cells = NDArray[np.float64] | NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setup:
+    """What a component is told once, before its first tick.
+
+    ``parameters`` hold the scenario's values by variable name. ``tick`` is the base tick in
+    seconds as (numerator, denominator); ``period`` is the component's step in ticks.
+    """
+
+    name: str
+    parameters: Mapping[str, Any]
+    tick: tuple[int, int]
+    period: int
+    seed: int
+
+
+class Component(ABC):
+    """A model written in Python, or a device; it knows its variables before ``initialise``."""
+
+    feedthrough: bool = True
+    """Whether outputs may depend directly on inputs of the same tick (see ``dependencies``)."""
+
+    @property
+    @abstractmethod
+    def variables(self) -> Sequence[Variable]:
+        """Every variable; the same at every call."""
+
+    @property
+    def dependencies(self) -> Mapping[str, Sequence[str]]:
+        """For each output, the inputs it depends on directly; an absent output depends on none."""
+        return {}
+
+    @property
+    def terminals(self) -> Mapping[str, Mapping[str, str]]:
+        """Bundles that connect as one: terminal -> member -> variable."""
+        return {}
+
+    @abstractmethod
+    def initialise(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Take parameters and keep the views: inputs to read from, outputs to write into.
+
+        A view has the variable's shape (``(1,)`` for a scalar); floats are float64, every other
+        numeric type is int64 (a boolean is 0 or 1).
+
+        Raises:
+            InputError: a parameter cannot be used.
+        """
+
+    def read(self, tick: int) -> None:
+        """Take this tick's measurements into the outputs (devices)."""
+
+    def evaluate(self, tick: int) -> None:
+        """Write the outputs from the committed state and the inputs now; must be pure."""
+
+    def write(self, tick: int) -> None:
+        """Send this tick's command from the inputs (devices)."""
+
+    def step(self, tick: int) -> None:
+        """Commit the state over [tick, tick + period) using the inputs as they are now."""
+
+    def close(self) -> None:
+        """Release what was acquired; called once on every exit path, also after an error."""

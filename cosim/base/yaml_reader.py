@@ -1,0 +1,187 @@
+"""YAML text to a tree of nodes, each with its place; broken YAML becomes a sentence."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+from cosim.base.errors import InputError, Location
+from cosim.base.node import Node, Scalar
+
+MAX_NODES = 100_000
+"""Aliases are expanded; a file that expands to more than this is refused."""
+
+
+def read_yaml(path: Path, shown: str) -> Node:
+    """Read a YAML file; ``shown`` is its name in places and messages.
+
+    Raises:
+        InputError: the file cannot be read or is not YAML that a scenario can use.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"not UTF-8 text (byte {error.start}); save the file as UTF-8.", Location(shown, 1, 1)
+        ) from None
+    except OSError as error:
+        raise InputError(f"cannot read {shown}: {error.strerror or error}.") from None
+    return parse_yaml(text, shown)
+
+
+def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
+    """Turn YAML 1.2 text into nodes; ``has_lines=False`` gives every node the place ``shown``.
+
+    Raises:
+        InputError: broken YAML, a duplicate key, a tag, a recursive anchor, too many nodes.
+    """
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+    builder = _Builder(shown, has_lines)
+    yaml: Any = YAML(typ="safe", pure=True)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an anchor's name may be used again
+            root = yaml.compose(text)
+        if root is None:
+            return Node(None, builder.start)
+        return builder.build(root, None)
+    except MarkedYAMLError as error:
+        broken: Any = error
+        raise InputError(_sentence(broken, text), builder.place(broken.problem_mark)) from None
+    except YAMLError as error:
+        before = text[: getattr(error, "position", 0)]
+        place = Location(shown, before.count("\n") + 1, len(before) - before.rfind("\n"))
+        reason = getattr(error, "reason", error)
+        raise InputError(f"not YAML: {reason}.", place if has_lines else builder.start) from None
+    except RecursionError:
+        raise InputError("nested too deeply to be a scenario.", builder.start) from None
+
+
+class _Builder:
+    """Converts ruamel's composed nodes, which carry marks and resolved tags."""
+
+    def __init__(self, shown: str, has_lines: bool) -> None:
+        self._shown = shown
+        self._has_lines = has_lines
+        self._open: set[int] = set()
+        self._count = 0
+
+    def place(self, mark: Any) -> Location:
+        if mark is None or not self._has_lines:
+            return self.start
+        return Location(self._shown, mark.line + 1, mark.column + 1)
+
+    @property
+    def start(self) -> Location:
+        return Location(self._shown, 1, 1) if self._has_lines else Location(self._shown, 0, 0)
+
+    def build(self, node: Any, key_place: Location | None) -> Node:
+        place = self.place(node.start_mark)
+        self._count += 1
+        if self._count > MAX_NODES:
+            raise InputError(f"more than {MAX_NODES} values, counting aliases.", place)
+        if id(node) in self._open:
+            raise InputError(f"the anchor &{node.anchor} contains itself.", place)
+        self._open.add(id(node))
+        try:
+            return Node(self._value(node, place), place, key_place)
+        finally:
+            self._open.discard(id(node))
+
+    def _value(self, node: Any, place: Location) -> Scalar | dict[str, Node] | list[Node]:
+        if node.id == "mapping":
+            return self._mapping(node)
+        if node.id == "sequence":
+            return [self.build(item, None) for item in node.value]
+        return _scalar(str(node.tag), node.value, place)
+
+    def _mapping(self, node: Any) -> dict[str, Node]:
+        members: dict[str, Node] = {}
+        inherited: dict[str, Node] = {}
+        for key, value in node.value:
+            place = self.place(key.start_mark)
+            if key.id != "scalar":
+                raise InputError("a key must be a plain name.", place)
+            if str(key.tag).endswith(":merge"):
+                for inner, member in self._merged(value, place).items():
+                    inherited.setdefault(inner, member)
+                continue
+            name = _joined(key.value, place)
+            if name in members:
+                first = members[name].key_place
+                raise InputError(f"'{name}' is here twice; it is first at {first}.", place)
+            members[name] = self.build(value, place)
+        return {**inherited, **members}
+
+    def _merged(self, value: Any, place: Location) -> dict[str, Node]:
+        """The members that ``<<: *anchor`` or ``<<: [*a, *b]`` brings; earlier anchors win."""
+        found: dict[str, Node] = {}
+        for source in value.value if value.id == "sequence" else [value]:
+            built = self.build(source, place).value
+            if not isinstance(built, dict):
+                raise InputError("'<<' takes the alias of a mapping, as in '<<: *name'.", place)
+            found = {**built, **found}
+        return found
+
+
+def _scalar(tag: str, text: str, place: Location) -> Scalar:
+    kind = tag.removeprefix("tag:yaml.org,2002:")
+    if kind == "null":
+        return None
+    if kind == "bool":
+        return text.casefold() == "true"
+    if kind in {"int", "float"}:
+        try:
+            return _integer(text) if kind == "int" else _real(text)
+        except ValueError:
+            raise InputError(f"'{text[:40]}' is not a number that fits.", place) from None
+    if kind in {"str", "timestamp"}:
+        return _joined(text, place)
+    raise InputError(f"the tag '{tag}' has no meaning in a scenario; leave it out.", place)
+
+
+def _joined(text: str, place: Location) -> str:
+    """Text whose escaped surrogate pairs (as JSON writes them) are the characters they mean."""
+    if text.isascii() or not any("\ud800" <= character <= "\udfff" for character in text):
+        return text
+    try:
+        return text.encode("utf-16", "surrogatepass").decode("utf-16")
+    except UnicodeDecodeError:
+        raise InputError("half of a surrogate pair is no character.", place) from None
+
+
+def _integer(text: str) -> int:
+    digits = text.replace("_", "")
+    prefixed = digits.lstrip("+-")[:2] in {"0x", "0o", "0b"}
+    return int(digits, 0 if prefixed else 10)
+
+
+def _real(text: str) -> float:
+    return float(text.replace("_", "").casefold().replace(".inf", "inf").replace(".nan", "nan"))
+
+
+def _sentence(error: Any, text: str) -> str:
+    """The parser's complaint in the words of somebody who writes scenarios."""
+    problem = str(error.problem or error.context or "broken YAML")
+    mark = error.problem_mark
+    row = int(mark.line) if mark else 0
+    line = (text.splitlines() or [""])[row : row + 1]
+    indentation = line[0][: len(line[0]) - len(line[0].lstrip())] if line else ""
+    if "'\\t'" in problem or "\t" in indentation:
+        return "a tab indents this line; YAML wants spaces."
+    if "mapping values are not allowed" in problem:
+        return (
+            "a ':' too many: either the indentation is off, or text with ': ' in it needs quotes."
+        )
+    if "expected <block end>" in problem:
+        return "the indentation fits nothing above it."
+    if "could not find expected ':'" in problem:
+        return "broken YAML: a key without ':' here or on the line above."
+    if "undefined alias" in problem:
+        return f"broken YAML: {problem}; an anchor '&name' must come before its '*name'."
+    if "expected a single document" in str(error.context):
+        return "a second '---' document; a scenario is one document."
+    return f"broken YAML: {problem}{f' ({error.context})' if error.context else ''}."

@@ -1,0 +1,256 @@
+"""A remote station as a component: its outputs are what the peer sends, its inputs what we send.
+
+Under the master it stands where the other station's components and the channel stood. It drains
+its socket when the tick begins, releases what is due, and sends at the network's ticks once all
+outputs are evaluated, exactly where the master samples a simulated channel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import gcd
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.peer_link import Incoming, PeerLink
+from cosim.link.stream.settings import ClockMode
+
+
+class Grid:
+    """Where the own ticks lie on the own clock; the pacer keeps it, links read it.
+
+    ``epoch`` is the own clock (ns) at session tick 0 on the present grid, ``slew`` the relative
+    change of the tick period that the phase wants.
+    """
+
+    def __init__(self, *, tick_ns: float, epoch: int = 0, first_tick: int = 0) -> None:
+        self.tick_ns = tick_ns
+        self.epoch = epoch
+        self.first_tick = first_tick
+        """Session tick of the loop's own tick 0."""
+        self.slew = 0.0
+
+    def at_deadline(self, tick: int, deadline: int) -> None:
+        """Tick ``tick`` (session) is due at ``deadline`` (ns)."""
+        self.epoch = deadline - round(tick * self.tick_ns)
+
+
+@dataclass(slots=True)
+class _Shown:
+    """Where one incoming stream's values and state go."""
+
+    item: Incoming
+    elements: list[tuple[Cells, int]]
+    """For each element of the packet, the cells it goes to and its place there."""
+    weight: Cells
+    valid: Cells
+    age: Cells
+    state: Cells
+    sequence: Cells
+    delay: Cells
+
+    def show_values(self) -> None:
+        """Copy the packet's elements; one by one, because each may lie somewhere else."""
+        values: list[float] = self.item.receiver.values.tolist()
+        for (cells, place), value in zip(self.elements, values, strict=True):
+            cells[place] = value
+
+
+class RemoteStation(Component):
+    """The peer that one station's link reaches.
+
+    Outputs: every incoming field by name; for each incoming channel ``<channel>.weight`` (0..1),
+    ``.valid``, ``.age`` (base ticks), ``.state`` (:class:`~cosim.link.stream.peer.PeerState`) and
+    ``.sequence``, ``.delay`` (base ticks from sample to release); and ``round_trip``,
+    ``clock_offset``, ``phase`` (s), ``clock_skew``.
+    Inputs: every outgoing field by name.
+    """
+
+    feedthrough = False
+
+    def __init__(
+        self,
+        link: PeerLink,
+        *,
+        grid: Grid,
+        now: Callable[[], int],
+        leads: bool,
+        follower: PhaseFollower | None = None,
+    ) -> None:
+        """``leads``: the own grid is the reference. ``follower`` slews the grid to this peer's."""
+        self.link = link
+        self.grid = grid
+        self.leads = leads
+        self.follower = follower
+        self.initial_seen = False
+        self._now = now
+        self._tick = 0
+        self._update_every = max(1, round(1e9 / grid.tick_ns))
+        self._variables = _variables(link)
+        self._shown: list[_Shown] = []
+        self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
+        self._send_every = gcd(*(bundle.period for bundle in link.outgoing)) or 1
+        self._facts: dict[str, Cells] = {}
+        link.before_arrival = self._align
+
+    @property
+    def variables(self) -> Sequence[Variable]:
+        """Every variable; see the class."""
+        return self._variables
+
+    def initialise(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Keep the views; show the values that the peer sent before the start, if it did."""
+        del setup
+        self._shown = []
+        for item in self.link.incoming:
+            bundle = item.receiver.bundle
+            channel = bundle.channel
+            self._shown.append(
+                _Shown(
+                    item,
+                    _elements(bundle, outputs),
+                    *(outputs[f"{channel}.{fact}"] for fact in _STREAM_FACTS),
+                )
+            )
+        self._gather = [
+            # A memory view gives plain numbers, which costs half of NumPy's.
+            ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer.values)
+            for bundle, writer in zip(self.link.outgoing, self.link.writers, strict=True)
+        ]
+        self._facts = {name: outputs[name] for name in _LINK_FACTS}
+        for shown in self._shown:
+            self._show(shown)
+
+    def read(self, tick: int) -> None:
+        """Drain the socket, release what is due, weigh the peer."""
+        session_tick = tick + self.grid.first_tick
+        self.link.drain(session_tick)
+        self.link.release(session_tick)
+        for shown in self._shown:
+            if shown.item.fresh:
+                shown.show_values()
+            self._show(shown)
+        often = self._update_every // 8 if not self.link.clock.ready else self._update_every
+        if session_tick % max(1, often) == 0:
+            self._follow()
+
+    def write(self, tick: int) -> None:
+        """Send what is due at this tick."""
+        session_tick = tick + self.grid.first_tick
+        self._tick = session_tick
+        if session_tick % self._send_every == 0:
+            self.collect()
+            self.link.send(session_tick, self._now(), self.grid.epoch)
+
+    def collect(self) -> None:
+        """Copy the inputs into the packets."""
+        for cells, values in self._gather:
+            values[:] = [cell[place] for cell, place in cells]
+
+    def show_initial(self) -> None:
+        """Show values that came before the start."""
+        for shown in self._shown:
+            shown.show_values()
+
+    def close(self) -> None:
+        """Announce an orderly stop."""
+        self.link.stop(self._tick, self._now(), self.grid.epoch)
+
+    def _show(self, shown: _Shown) -> None:
+        item = shown.item
+        shown.weight[0] = item.weight.weight
+        shown.valid[0] = item.valid
+        shown.age[0] = item.age
+        shown.state[0] = item.weight.state
+        shown.sequence[0] = item.receiver.sequence
+        shown.delay[0] = item.receiver.delay
+
+    def _phase(self) -> float:
+        """By how much the own ticks come later than the peer's (ns)."""
+        # Where the peer has session tick 0, told in the own clock, against the own grid.
+        link = self.link
+        return self.grid.epoch + link.clock.offset(self._now()) - link.peer_epoch
+
+    def _align(self) -> None:
+        """Count by how many ticks the two grids are apart; a grid moves when its loop overruns."""
+        link = self.link
+        if not link.clock.ready or not link.peer_epoch:
+            return
+        slip = -int(self._phase() / self.grid.tick_ns)
+        for item, setting in zip(link.incoming, link.settings, strict=True):
+            # A grid that is being slewed is not a grid that slides, unless it is far off.
+            near = setting.clock is ClockMode.FOLLOW and abs(slip) < item.receiver.bundle.period
+            item.receiver.slip = 0 if near else slip
+
+    def _follow(self) -> None:
+        """Once a second, at first more often: fit the clock, find the phase, say how to slew."""
+        link, grid = self.link, self.grid
+        now = self._now()
+        link.clock.update(now)
+        if not link.clock.ready or not link.peer_epoch:
+            return
+        phase = self._phase() * 1e-9
+        if self.follower is not None:
+            grid.slew = self.follower.update(phase, link.clock.skew)
+        self._facts["round_trip"][0] = link.clock.last_round_trip * 1e-9
+        self._facts["clock_offset"][0] = link.clock.offset(now) * 1e-9
+        self._facts["clock_skew"][0] = link.clock.skew
+        self._facts["phase"][0] = phase
+
+
+_STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay")
+_LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
+
+
+def _elements(bundle: Bundle, cells: Mapping[str, Cells]) -> list[tuple[Cells, int]]:
+    """Where each element of a bundle lies."""
+    return [
+        (cells[field.name].reshape(-1), place)
+        for field in bundle.fields
+        for place in range(field.size)
+    ]
+
+
+def _variables(link: PeerLink) -> tuple[Variable, ...]:
+    found: list[Variable] = []
+    for item in link.incoming:
+        bundle = item.receiver.bundle
+        found += [_variable(field, Causality.OUTPUT) for field in bundle.fields]
+        for fact in _STREAM_FACTS:
+            kind = VariableType.FLOAT64 if fact == "weight" else VariableType.INT64
+            kind = VariableType.BOOLEAN if fact == "valid" else kind
+            found.append(
+                Variable(
+                    name=f"{bundle.channel}.{fact}",
+                    type=kind,
+                    causality=Causality.OUTPUT,
+                    variability="discrete",
+                )
+            )
+    for fact in _LINK_FACTS:
+        unit = None if fact == "clock_skew" else "s"
+        found.append(
+            Variable(name=fact, causality=Causality.OUTPUT, variability="discrete", unit=unit)
+        )
+    for bundle in link.outgoing:
+        found += [_variable(field, Causality.INPUT) for field in bundle.fields]
+    return tuple(found)
+
+
+def _variable(field: Field, causality: Causality) -> Variable:
+    kind = VariableType.INT64 if field.integer else VariableType.FLOAT64
+    return Variable(
+        name=field.name,
+        type=VariableType.BOOLEAN if field.boolean else kind,
+        causality=causality,
+        variability="discrete",
+        unit=field.unit,
+        shape=() if field.size == 1 else (field.size,),
+    )

@@ -1,0 +1,1 @@
+"""Bytes: the packet and its seal, the socket, and the kernel's filter."""

@@ -1,0 +1,1 @@
+"""From a scenario to wires, an order, a plan and cells; nothing runs yet."""

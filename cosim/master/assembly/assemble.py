@@ -1,0 +1,105 @@
+"""From a scenario to everything that a run needs, with every problem reported at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cosim.base.component import Causality, Component
+from cosim.base.recording import RecordGroup
+from cosim.master.assembly.clock import Clock
+from cosim.master.assembly.connections import wire
+from cosim.master.assembly.layout import Layout, lay_out
+from cosim.master.assembly.participants import Participant, read_participants
+from cosim.master.assembly.plan import Part, Plan, Planner
+from cosim.master.assembly.problems import Problems
+from cosim.master.assembly.selection import describe_groups, select_recorded
+from cosim.master.assembly.wiring import Signal, Wiring
+from cosim.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Assembly:
+    """A scenario, read, checked, wired, planned and laid out; nothing has run yet."""
+
+    scenario: Scenario
+    clock: Clock
+    participants: Mapping[str, Participant]
+    parts: Mapping[str, Part]
+    wiring: Wiring
+    plan: Plan
+    layout: Layout
+    groups: tuple[RecordGroup, ...]
+    columns: tuple[tuple[int, ...], ...]
+    """The recorded cells of each group."""
+    lagging: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Assembly:
+    """Read every component, resolve every connection, order everything.
+
+    ``made`` holds Python components that exist already, by name.
+
+    Raises:
+        InputError: a problem, or ``InputErrors`` for several, each with its place.
+    """
+    problems = Problems(scenario)
+    clock = Clock(scenario.base_rate)
+    participants = read_participants(scenario, clock, problems, made)
+    interfaces = {name: each.interface for name, each in participants.items()}
+    wiring = wire(scenario, interfaces, problems)
+    selected = select_recorded(scenario, interfaces, wiring, problems)
+    problems.raise_any()
+
+    parts = {
+        name: Part(each.interface, each.period, each.fmu is not None, each.methods)
+        for name, each in participants.items()
+    }
+    recorded = {s for group in selected for s in group.signals.values() if isinstance(s, Signal)}
+    outputs, local = _read_variables(participants, wiring, recorded)
+    planner = Planner(parts, wiring, outputs, local, tuple(group.period for group in selected))
+    with problems.at(("connections",)):
+        plan = planner.plan()
+        clock.hyperperiod(action.period for action in plan.every)
+        layout = lay_out(parts, wiring, plan)
+        return Assembly(
+            scenario=scenario,
+            clock=clock,
+            participants=participants,
+            parts=parts,
+            wiring=wiring,
+            plan=plan,
+            layout=layout,
+            groups=tuple(describe_groups(scenario, interfaces, selected)),
+            columns=tuple(
+                tuple(layout.of(signal) for signal in group.signals.values()) for group in selected
+            ),
+            lagging=tuple(planner.lagging()),
+            notes=tuple(wiring.notes),
+        )
+    problems.raise_any()
+    raise AssertionError
+
+
+def _read_variables(
+    participants: Mapping[str, Participant], wiring: Wiring, recorded: set[Signal]
+) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
+    """The outputs that somebody reads, and what else is read only to be recorded."""
+    sources = {w.source for w in wiring.wires if isinstance(w.source, Signal)}
+    for bundle in wiring.bundles:
+        sources |= {e.source for e in bundle.entries if isinstance(e.source, Signal)}
+    outputs: dict[str, set[str]] = {}
+    local: dict[str, set[str]] = {}
+    for signal in sources | recorded:
+        interface = participants[signal.component].interface
+        causality = interface.variables[signal.variable].causality
+        if causality is Causality.INPUT:
+            continue
+        # An FMU without feedthrough is read before its inputs are set, whatever is read.
+        early = causality is Causality.OUTPUT or not interface.feedthrough
+        (outputs if early else local).setdefault(signal.component, set()).add(signal.variable)
+    return (
+        {name: tuple(sorted(names)) for name, names in outputs.items()},
+        {name: tuple(sorted(names)) for name, names in local.items()},
+    )

@@ -1,0 +1,182 @@
+"""A scenario's values for a component's variables: names, types, sizes and bounds are checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.errors import InputError
+from cosim.base.quantity import QuantityError, quantity
+from cosim.base.suggest import did_you_mean
+from cosim.master.assembly.interface import size_of, variable_elements
+
+SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
+STARTABLE = frozenset({Causality.INPUT, Causality.OUTPUT, Causality.LOCAL})
+
+
+def resolve_values(
+    component: str,
+    variables: Mapping[str, Variable],
+    name: str,
+    value: Any,
+    allowed: frozenset[Causality],
+) -> dict[str, list[Any]]:
+    """The elements that one written value gives, by variable name: numbers, booleans or text.
+
+    ``name`` may be an array's base: ``motor_torque`` with a list sets ``motor_torque[1]`` and so
+    on.
+
+    Raises:
+        InputError: no such variable, one that cannot be set, or a value that does not fit.
+    """
+    variable = variables.get(name)
+    if variable is not None:
+        _check_causality(component, variable, allowed)
+        return {name: _elements(component, variable, value)}
+    parts = sorted(
+        (
+            variable
+            for variable in variables.values()
+            if variable.name.startswith(f"{name}[") and variable.name.endswith("]")
+        ),
+        key=lambda variable: [int(i) for i in variable.name[len(name) + 1 : -1].split(",")],
+    )
+    if not parts:
+        known = [v.name.split("[")[0] for v in variables.values() if v.causality in allowed]
+        raise InputError(
+            f"{component} has no {_kind(allowed)} '{name}'.{did_you_mean(name, known)}"
+        )
+    for part in parts:
+        _check_causality(component, part, allowed)
+    values = _flat(value) if isinstance(value, Sequence) and not isinstance(value, str) else None
+    if values is None or len(values) != len(parts):
+        raise InputError(
+            f"{component}.{name} has {len(parts)} elements; give a list of {len(parts)} values"
+        )
+    return {
+        part.name: _elements(component, part, item)
+        for part, item in zip(parts, values, strict=True)
+    }
+
+
+def element_start(variable: Variable) -> list[Any]:
+    """The declared start of each element; zero (or false) where none is declared."""
+    start: Any = variable.start
+    count = size_of(variable)
+    if start is None or isinstance(start, str):
+        return [0] * count
+    if isinstance(start, tuple):
+        values = _flat(start)  # pyright: ignore[reportUnknownArgumentType]
+        return values if len(values) == count else [0] * count
+    return [start] * count
+
+
+def _check_causality(component: str, variable: Variable, allowed: frozenset[Causality]) -> None:
+    if variable.causality not in allowed:
+        raise InputError(
+            f"{component}.{variable.name} is of causality '{variable.causality}', not a "
+            f"{_kind(allowed)}"
+            + (
+                "; give an input's first value under 'start'"
+                if variable.causality is Causality.INPUT
+                else ""
+            )
+        )
+    if variable.variability == "constant":
+        raise InputError(f"{component}.{variable.name} is a constant and cannot be set")
+
+
+def _kind(allowed: frozenset[Causality]) -> str:
+    return "parameter" if Causality.PARAMETER in allowed else "input, output or local variable"
+
+
+def _elements(component: str, variable: Variable, value: Any) -> list[Any]:
+    if not variable.shape:
+        return [_convert(component, variable, variable.name, value)]
+    values: list[Any] | None = (
+        _flat(value)  # pyright: ignore[reportUnknownArgumentType]
+        if isinstance(value, (list, tuple))
+        else None
+    )
+    if values is None or len(values) != size_of(variable):
+        raise InputError(
+            f"{component}.{variable.name} has {size_of(variable)} elements; give a list of "
+            f"{size_of(variable)} values"
+        )
+    return [
+        _convert(component, variable, name, item)
+        for (name, _), item in zip(variable_elements(variable), values, strict=True)
+    ]
+
+
+def _flat(value: Any) -> list[Any]:
+    flat: list[Any] = []
+    for item in value:
+        if isinstance(item, (list, tuple)):
+            flat += _flat(item)
+        else:
+            flat.append(item)
+    return flat
+
+
+def _convert(component: str, variable: Variable, name: str, value: Any) -> Any:
+    kind = variable.type
+    where = f"{component}.{name}"
+    if kind is VariableType.STRING:
+        if not isinstance(value, str):
+            raise InputError(f"{where} is a text; put {value!r} in quotes")
+        return value
+    if kind is VariableType.BINARY:
+        raise InputError(f"{where} is binary data, which a scenario cannot give")
+    if kind is VariableType.BOOLEAN:
+        if not isinstance(value, bool):
+            raise InputError(f"{where} is true or false, not {value!r}")
+        return value
+    if kind is VariableType.ENUMERATION:
+        return _item(where, variable, value)
+    if isinstance(value, str):
+        value = _quantity(where, variable, value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"{where} is a number, not {value!r}")
+    if not kind.is_float and not float(value).is_integer():
+        raise InputError(f"{where} is a whole number, not {value!r}")
+    _check_bounds(where, variable, value)
+    return float(value) if kind.is_float else int(value)
+
+
+def _quantity(where: str, variable: Variable, text: str) -> float:
+    """``2.44 ms`` in the variable's unit."""
+    try:
+        return float(quantity(text, variable.unit or "1"))
+    except QuantityError as error:
+        raise InputError(f"{where} is a number: {error}") from None
+
+
+def _item(where: str, variable: Variable, value: Any) -> int:
+    items = variable.items or {}
+    if isinstance(value, str):
+        if value not in items:
+            known = did_you_mean(value, items)
+            raise InputError(f"{where} has no value '{value}'.{known}")
+        return items[value]
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise InputError(f"{where} is one of {', '.join(items)}, not {value!r}")
+    if items and value not in items.values():
+        raise InputError(f"{where} has no value {value}; there are {', '.join(items)}")
+    return value
+
+
+def _check_bounds(where: str, variable: Variable, value: float) -> None:
+    unit = f" {variable.unit}" if variable.unit and variable.unit != "1" else ""
+    if math.isnan(value):
+        raise InputError(f"{where} is not a number")
+    if variable.minimum is not None and value < variable.minimum:
+        raise InputError(
+            f"{where} is {value:g}{unit}; the least that it can be is {variable.minimum:g}{unit}"
+        )
+    if variable.maximum is not None and value > variable.maximum:
+        raise InputError(
+            f"{where} is {value:g}{unit}; the most that it can be is {variable.maximum:g}{unit}"
+        )

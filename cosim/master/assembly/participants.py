@@ -1,0 +1,195 @@
+"""The components of a run: FMUs and Python components behind one small interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cosim import scenario as scenarios
+from cosim.base.component import Causality, Component, Setup
+from cosim.base.counter import stream_key
+from cosim.base.errors import InputError
+from cosim.master.assembly import python_component as python
+from cosim.master.assembly.clock import Clock
+from cosim.master.assembly.interface import Interface
+from cosim.master.assembly.parameters import SETTABLE, STARTABLE, resolve_values
+from cosim.master.assembly.problems import Problems
+from cosim.master.fmu.description import FmuDescription, read_description
+from cosim.master.fmu.instance import choose_substeps, find_binary
+from cosim.scenario import Kind, Scenario
+
+Values = dict[str, list[Any]]
+
+
+@dataclass(slots=True)
+class Participant:
+    """A component that was read and checked, but does not run yet."""
+
+    name: str
+    period: int
+    interface: Interface
+    parameters: Values
+    start: Values
+    fmu: FmuDescription | None = None
+    substeps: int = 1
+    component: Component | None = None
+    methods: frozenset[str] = field(default_factory=frozenset[str])
+
+
+def read_participants(
+    scenario: Scenario,
+    clock: Clock,
+    problems: Problems,
+    made: Mapping[str, Component] | None = None,
+) -> dict[str, Participant]:
+    """Read every component; those with a problem are reported and left out.
+
+    ``made`` holds Python components that exist already, by name: they are not made from ``source``.
+    """
+    found: dict[str, Participant] = {}
+    bundled = cache(_bundled)
+    for name, written in scenario.components.items():
+        with problems.at(("components", name)):
+            participant = (
+                _read_fmu(written, bundled, clock, problems)
+                if written.kind is Kind.FMU
+                else _read_python(written, scenario, problems, (made or {}).get(name))
+            )
+            clock.check_exact(scenario.ticks, participant.substeps, name)
+            found[name] = participant
+    _refuse_shared_libraries(found, problems)
+    return found
+
+
+def setup_of(scenario: Scenario, participant: Participant) -> Setup:
+    """What a Python component is told; its seed follows from its name."""
+    tick = 1 / scenario.base_rate
+    values = {
+        name: elements[0] if not participant.interface.variables[name].shape else tuple(elements)
+        for name, elements in participant.parameters.items()
+        if name in participant.interface.variables
+    }
+    declared = {
+        variable.name: variable.start
+        for variable in participant.interface.variables.values()
+        if variable.causality is Causality.PARAMETER and variable.start is not None
+    }
+    written = scenario.components[participant.name].parameters
+    return Setup(
+        name=participant.name,
+        parameters={**declared, **written, **values},
+        tick=(tick.numerator, tick.denominator),
+        period=participant.period,
+        seed=stream_key(scenario.seed, "component", participant.name),
+    )
+
+
+def _bundled(model: str, flavour: str) -> Path:
+    import fmus
+
+    return fmus.find(model, flavour)
+
+
+def _read_fmu(
+    written: scenarios.Component,
+    bundled: Callable[[str, str], Path],
+    clock: Clock,
+    problems: Problems,
+) -> Participant:
+    own, source = written.is_bundled, written.source
+    path = bundled(source, written.flavour) if own else Path(source)
+    description = read_description(path)
+    find_binary(description)
+    # Structural parameters first: they say how many elements the others have.
+    structural = {
+        name: value
+        for name, value in written.parameters.items()
+        if (variable := description.variables.get(name)) is not None
+        and variable.causality is Causality.STRUCTURAL_PARAMETER
+    }
+    parameters = _values(written, description, "parameters", structural, problems)
+    if parameters:
+        sizes = {name: int(elements[0]) for name, elements in parameters.items()}
+        description = read_description(path, sizes)
+    others = {k: v for k, v in written.parameters.items() if k not in structural}
+    parameters |= _values(written, description, "parameters", others, problems)
+    return Participant(
+        name=written.name,
+        period=written.period,
+        interface=description.interface(written.name, feedthrough=bool(written.feedthrough)),
+        parameters=parameters,
+        start=_values(written, description, "start", written.start, problems),
+        fmu=description,
+        substeps=choose_substeps(description, clock, written.period, written.substeps),
+    )
+
+
+def _values(
+    written: scenarios.Component,
+    description: FmuDescription,
+    section: str,
+    values: Mapping[str, Any],
+    problems: Problems,
+) -> Values:
+    allowed = SETTABLE if section == "parameters" else STARTABLE
+    resolved: Values = {}
+    for name, value in values.items():
+        with problems.at(("components", written.name, section, name)):
+            resolved |= resolve_values(written.name, description.variables, name, value, allowed)
+    return resolved
+
+
+def _read_python(
+    written: scenarios.Component, scenario: Scenario, problems: Problems, made: Component | None
+) -> Participant:
+    if made is not None:
+        component = made
+    elif written.kind is Kind.DEVICE:
+        component = python.open_device(written.source, written.options)
+    elif written.kind is Kind.PLAYBACK:
+        from cosim.master.run.playback import Playback
+
+        played = written.options.get("component") or written.name
+        component = Playback(Path(written.source), str(played))
+    else:
+        component = python.load_class(written.source, scenario.file.parent)
+    interface = python.interface_of(written.name, component, feedthrough=written.feedthrough)
+    declared = {
+        name for name, v in interface.variables.items() if v.causality is Causality.PARAMETER
+    }
+    parameters: Values = {}
+    start: Values = {}
+    for name, value in written.parameters.items():
+        if not declared or written.kind is Kind.DEVICE:
+            break  # it checks its parameters itself
+        with problems.at(("components", written.name, "parameters", name)):
+            parameters |= resolve_values(written.name, interface.variables, name, value, SETTABLE)
+    for name, value in written.start.items():
+        with problems.at(("components", written.name, "start", name)):
+            start |= resolve_values(written.name, interface.variables, name, value, STARTABLE)
+    return Participant(
+        name=written.name,
+        period=written.period,
+        interface=interface,
+        parameters=parameters,
+        start=start,
+        component=component,
+        methods=python.methods_of(component),
+    )
+
+
+def _refuse_shared_libraries(found: Mapping[str, Participant], problems: Problems) -> None:
+    users: dict[str, str] = {}
+    for name, participant in found.items():
+        if participant.fmu is None or not participant.fmu.once_per_process:
+            continue
+        with problems.at(("components", name)):
+            other = users.setdefault(participant.fmu.sha256, name)
+            if other != name:
+                raise InputError(
+                    f"{name} and {other} use {participant.fmu.path.name}, which can be "
+                    "instantiated only once in a process"
+                )

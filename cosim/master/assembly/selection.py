@@ -1,0 +1,160 @@
+"""Which signals are recorded, at which rates, and what their columns are called."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from cosim.base.component import Causality
+from cosim.base.errors import InputError
+from cosim.base.recording import Column, RecordGroup
+from cosim.base.suggest import did_you_mean
+from cosim.master.assembly.interface import Interface
+from cosim.master.assembly.problems import Problems
+from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
+from cosim.scenario import Scenario
+
+_FACTS = {
+    "age": "Age of the packet that the receiver holds (base ticks)",
+    "sequence": "Number of the packet that the receiver holds; -1 before the first",
+}
+
+
+@dataclass(slots=True)
+class Selected:
+    """The recorded signals of one rate, by column name."""
+
+    period: int
+    signals: dict[str, Signal | PacketFact] = field(default_factory=dict[str, Signal | PacketFact])
+
+
+@dataclass(slots=True)
+class _Candidate:
+    name: str
+    signal: Signal | PacketFact
+    period: int
+    usual: bool
+    """Matched by a pattern, not only by its exact name."""
+
+
+def select_recorded(
+    scenario: Scenario,
+    interfaces: Mapping[str, Interface],
+    wiring: Wiring,
+    problems: Problems,
+) -> list[Selected]:
+    """The groups of recorded signals, the fastest first.
+
+    A pattern takes outputs, connected inputs and facts about packets; any other variable is
+    recorded where it is named exactly, or as an array, terminal or group.
+    """
+    driven = set(wiring.connection_of)
+    candidates = [
+        *_variables(scenario, interfaces, driven),
+        *_packet_facts(scenario, wiring),
+    ]
+    groups: dict[int, Selected] = {}
+    for number, record in enumerate(scenario.record):
+        with problems.at(("record", number)):
+            for found in _matches(record.pattern, candidates, interfaces, scenario):
+                period = record.period or found.period
+                group = groups.setdefault(period, Selected(period))
+                group.signals.setdefault(found.name, found.signal)
+    return [groups[period] for period in sorted(groups)]
+
+
+def describe_groups(
+    scenario: Scenario, interfaces: Mapping[str, Interface], selected: list[Selected]
+) -> list[RecordGroup]:
+    """What a recorder is told about the groups."""
+    return [
+        RecordGroup(
+            name=_group_name(scenario, group.period),
+            period=group.period,
+            columns=tuple(
+                _column(name, signal, interfaces) for name, signal in group.signals.items()
+            ),
+        )
+        for group in selected
+    ]
+
+
+def _variables(
+    scenario: Scenario, interfaces: Mapping[str, Interface], driven: set[Signal]
+) -> Iterator[_Candidate]:
+    for component, interface in sorted(interfaces.items()):
+        period = scenario.components[component].period
+        for name, element in interface.elements.items():
+            causality = interface.variables[element.variable].causality
+            signal = Signal(component, element.variable, element.index)
+            usual = causality is Causality.OUTPUT or signal in driven
+            yield _Candidate(f"{component}.{name}", signal, period, usual)
+
+
+def _packet_facts(scenario: Scenario, wiring: Wiring) -> Iterator[_Candidate]:
+    for number, bundle in enumerate(wiring.bundles):
+        if bundle.channel is None:
+            continue
+        channel = scenario.channels[bundle.channel]
+        station = channel.between[1 if bundle.way == "forward" else 0]
+        period = min(
+            (part.period for part in scenario.components.values() if part.station == station),
+            default=bundle.period,
+        )
+        for fact in _FACTS:
+            yield _Candidate(f"{bundle.name}.{fact}", PacketFact(number, fact), period, usual=True)
+
+
+def _matches(
+    pattern: str,
+    candidates: list[_Candidate],
+    interfaces: Mapping[str, Interface],
+    scenario: Scenario,
+) -> list[_Candidate]:
+    if any(character in pattern for character in "*?"):
+        wild = "".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in pattern)
+        expression = re.compile(rf"{wild}([.\[].*)?", re.DOTALL)  # a group, an array: all of it
+        found = [c for c in candidates if c.usual and expression.fullmatch(c.name)]
+        if (
+            not found
+            and not any(expression.fullmatch(c.name) for c in candidates)
+            and (pattern != "*")
+        ):
+            raise InputError(f"nothing that can be recorded matches '{pattern}'")
+        return found
+    exact = [c for c in candidates if c.name == pattern]
+    if exact:
+        return exact
+    component, _, path = pattern.partition(".")
+    if component in interfaces:
+        wanted = {
+            Signal(component, element.variable, element.index)
+            for element in interfaces[component].select(path).members.values()
+        }
+        return [c for c in candidates if c.signal in wanted]
+    if component in scenario.components:
+        return []  # it could not be loaded, which has been reported
+    known = {c.name for c in candidates} | set(scenario.components)
+    raise InputError(f"there is no signal '{pattern}' to record.{did_you_mean(pattern, known)}")
+
+
+def _group_name(scenario: Scenario, period: int) -> str:
+    rate = scenario.base_rate / period
+    names = sorted(name for name, named in scenario.rates.items() if named == rate)
+    return names[0] if names else f"{float(rate):g}Hz"
+
+
+def _column(name: str, signal: Signal | PacketFact, interfaces: Mapping[str, Interface]) -> Column:
+    if isinstance(signal, PacketFact):
+        return Column(name=name, unit=None, is_float=False, description=_FACTS[signal.name])
+    variable = interfaces[signal.component].variables[signal.variable]
+    items = tuple((value, item) for item, value in (variable.items or {}).items())
+    return Column(
+        name=name,
+        unit=variable.unit,
+        is_float=variable.type.is_float,
+        description=variable.description,
+        causality=str(variable.causality),
+        items=items,
+    )

@@ -1,0 +1,121 @@
+"""The memory of the bundles: packets in flight, their drawn fates, and what was counted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.master.assembly.layout import Layout
+from cosim.master.assembly.wiring import Bundle
+from cosim.master.channels.fates import NO_COPY
+from cosim.master.kernel.native import BundleStruct
+
+BLOCK = 1024
+"""Packets whose fates are drawn at a time; no chunk of ticks may send more."""
+
+NEVER = int(np.iinfo(np.int64).max)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PacketCount:
+    """What became of the packets of one direction of a channel.
+
+    ``sent == delivered + late + lost + in_flight``; ``duplicate`` counts second copies, which are
+    dropped. ``late`` packets arrived after (or in the same tick as) a newer one and were dropped.
+    """
+
+    sent: int
+    delivered: int
+    lost: int
+    late: int
+    duplicate: int
+    in_flight: int
+
+
+class Packets:
+    """The kernel's bundles."""
+
+    def __init__(self, bundles: Sequence[Bundle], layout: Layout, cells: NDArray[np.int64]) -> None:
+        self.bundles = bundles
+        self.structs: Any = (BundleStruct * max(len(bundles), 1))()
+        self._cells = cells
+        self._keep: list[NDArray[Any]] = []
+        self._sampled: list[NDArray[np.int64]] = []
+        self._fates: dict[int, tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
+        for number, bundle in enumerate(bundles):
+            self._fill(number, bundle, layout)
+        self.draw()
+
+    def draw(self) -> None:
+        """See to it that the fates of the next ``BLOCK`` packets are drawn."""
+        for number, (delays, copies) in self._fates.items():
+            struct = self.structs[number]
+            used = struct.sequence - struct.fate_first
+            left = struct.fate_count - used
+            if left >= BLOCK:
+                continue
+            fresh = self.bundles[number].fates.take(2 * BLOCK - left)
+            for table, drawn in zip((delays, copies), fresh, strict=True):
+                table[:left] = table[used : used + left].copy()
+                table[left:] = drawn
+            struct.fate_first = struct.sequence
+            struct.fate_count = 2 * BLOCK
+        for number, bundle in enumerate(self.bundles):
+            struct = self.structs[number]
+            if struct.sequence == 0:  # initialisation mode asks whether packet 0 has no delay
+                delay = self._fates[number][0][0] if number in self._fates else struct.delay
+                struct.immediate = int(bundle.can_be_immediate and delay == 0)
+
+    def counts(self) -> dict[str, PacketCount]:
+        """The count of every direction of every channel, by its name."""
+        return {
+            bundle.name: PacketCount(
+                sent=struct.sent,
+                delivered=struct.delivered,
+                lost=struct.lost,
+                late=struct.late,
+                duplicate=struct.duplicate,
+                in_flight=self._in_flight(number),
+            )
+            for number, bundle in enumerate(self.bundles)
+            if bundle.channel is not None and (struct := self.structs[number])
+        }
+
+    def _in_flight(self, number: int) -> int:
+        sampled = self._sampled[number][: self.structs[number].in_flight]
+        return int(np.count_nonzero(sampled >= 0))
+
+    def _fill(self, number: int, bundle: Bundle, layout: Layout) -> None:
+        width = len(bundle.entries)
+        capacity = 2 * (bundle.fates.longest // bundle.period + 2)
+        sources = np.array([layout.of(entry.source) for entry in bundle.entries], dtype=np.int32)
+        flight = np.zeros((3, capacity), dtype=np.int64)
+        payload = np.zeros((capacity, max(width, 1)), dtype=np.int64)
+        self._keep += [sources, flight, payload]
+        self._sampled.append(flight[2])
+        base = self._cells.ctypes.data
+        self._cells[layout.sequence[number]] = -1
+        struct = self.structs[number]
+        struct.period = bundle.period
+        struct.width = width
+        struct.sources = sources.ctypes.data
+        struct.held = base + 8 * layout.held[number]
+        struct.age = base + 8 * layout.age[number]
+        struct.held_sequence = base + 8 * layout.sequence[number]
+        struct.delay = bundle.fates.direction.delay.ticks
+        struct.capacity = capacity
+        struct.next_arrival = NEVER
+        struct.arrival, struct.flight_sequence, struct.flight_sampled = (
+            row.ctypes.data for row in flight
+        )
+        struct.payload = payload.ctypes.data
+        if not bundle.fates.is_constant:
+            delays = np.zeros(2 * BLOCK, dtype=np.int64)
+            copies = np.full(2 * BLOCK, NO_COPY, dtype=np.int64)
+            self._fates[number] = (delays, copies)
+            struct.fates = delays.ctypes.data
+            struct.copies = copies.ctypes.data

@@ -1,0 +1,1 @@
+"""An FMU from its archive to a running instance."""

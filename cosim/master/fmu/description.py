@@ -1,0 +1,252 @@
+"""An FMU's modelDescription.xml and terminals, read into what the master works with."""
+
+from __future__ import annotations
+
+import importlib
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.errors import InputError
+from cosim.base.units import Unit
+from cosim.master.assembly.interface import Interface
+from cosim.master.fmu.archive import sha256_of, unpack
+
+_FMI2_TYPES = {
+    "Real": VariableType.FLOAT64,
+    "Integer": VariableType.INT32,
+    "Enumeration": VariableType.ENUMERATION,
+    "Boolean": VariableType.BOOLEAN,
+    "String": VariableType.STRING,
+}
+_EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FmuDescription:
+    """Everything about an FMU that is known without running it."""
+
+    path: Path
+    folder: Path
+    sha256: str
+    version: int
+    model_identifier: str
+    token: str
+    variables: Mapping[str, Variable]
+    references: Mapping[str, int]
+    """Value reference by variable name."""
+    dimensions: Mapping[str, tuple[str | None, ...]]
+    """For each array, the structural parameter behind each dimension."""
+    dependencies: Mapping[str, tuple[str, ...]]
+    initial_dependencies: Mapping[str, tuple[str, ...]]
+    terminals: Mapping[str, Mapping[str, str]]
+    units: Mapping[str, Unit]
+    log_categories: tuple[str, ...]
+    fixed_step: Fraction | None
+    """The step (s) that an FMU which cannot vary its step was made for."""
+    once_per_process: bool
+
+    def interface(self, component: str, *, feedthrough: bool) -> Interface:
+        """The FMU as a component of that name."""
+        return Interface(
+            component=component,
+            variables=self.variables,
+            feedthrough=feedthrough,
+            dependencies=self.dependencies,
+            initial_dependencies=self.initial_dependencies,
+            terminals=self.terminals,
+            units=self.units,
+        )
+
+
+def read_description(path: Path, structure: Mapping[str, int] | None = None) -> FmuDescription:
+    """Unpack and read a co-simulation FMU of FMI 2.0 or 3.0.
+
+    ``structure`` gives structural parameters other values than their start; arrays follow.
+
+    Raises:
+        InputError: the archive or its description cannot be used.
+    """
+    return _read(path, sha256_of(path), tuple(sorted((structure or {}).items())))
+
+
+@lru_cache(maxsize=128)
+def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> FmuDescription:
+    folder = unpack(path)
+    description = _parse(path, folder)
+    version = description.fmiMajorVersion
+    if version not in {2, 3}:
+        raise InputError(
+            f"{path} is an FMU of FMI {description.fmiVersion}; export it again as FMI 2.0 or 3.0"
+        )
+    interface = description.coSimulation
+    if interface is None:
+        raise InputError(
+            f"{path} offers no co-simulation; export it for co-simulation (a model-exchange FMU "
+            "brings no solver of its own)"
+        )
+    by_reference = {v.valueReference: v.name for v in description.modelVariables}
+    shapes = _Shapes(dict(structure), by_reference)
+    variables = {v.name: _variable(v, version, shapes) for v in description.modelVariables}
+    return FmuDescription(
+        path=path,
+        folder=folder,
+        sha256=digest,
+        version=version,
+        model_identifier=interface.modelIdentifier,
+        token=description.guid,
+        variables=variables,
+        references={v.name: v.valueReference for v in description.modelVariables},
+        dimensions={
+            v.name: tuple(by_reference.get(d.valueReference) for d in v.dimensions)
+            for v in description.modelVariables
+            if v.dimensions
+        },
+        dependencies=_dependencies(description.outputs),
+        initial_dependencies=_dependencies(description.initialUnknowns),
+        terminals=_terminals(folder, variables),
+        units={u.name: _unit(u) for u in description.unitDefinitions},
+        log_categories=tuple(c.name for c in description.logCategories),
+        fixed_step=_fixed_step(description),
+        once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
+    )
+
+
+def _parse(path: Path, folder: Path) -> Any:
+    fmpy: Any = importlib.import_module("fmpy.model_description")
+    if not (folder / "modelDescription.xml").is_file():
+        raise InputError(f"{path} has no modelDescription.xml, so it is not an FMU")
+    try:
+        return fmpy.read_model_description(str(folder))
+    except fmpy.ValidationError as error:
+        problems: list[Any] = list(error.problems)
+        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+        raise InputError(
+            f"the modelDescription.xml of {path} is not valid: {problems[0]}{more}"
+        ) from None
+    except Exception as error:  # FMPy raises bare exceptions, lxml its own
+        raise InputError(f"the modelDescription.xml of {path} cannot be read: {error}") from None
+
+
+@dataclass(frozen=True, slots=True)
+class _Shapes:
+    structure: Mapping[str, int]
+    by_reference: Mapping[int, str]
+
+    def of(self, variable: Any) -> tuple[int, ...]:
+        shape = list[int](variable.shape or ())
+        for place, dimension in enumerate(variable.dimensions):
+            name = self.by_reference.get(dimension.valueReference, "")
+            if name in self.structure:
+                shape[place] = self.structure[name]
+        return tuple(shape)
+
+
+def _variable(variable: Any, version: int, shapes: _Shapes) -> Variable:
+    kind = _FMI2_TYPES[variable.type] if version == 2 else _fmi3_type(variable.type)
+    declared = variable.declaredType
+    unit = variable.unit or (declared.unit if declared is not None else None)
+    items = {item.name: int(item.value) for item in declared.items} if declared is not None else {}
+    return Variable(
+        name=variable.name,
+        type=kind,
+        causality=Causality(variable.causality),
+        variability=variable.variability,
+        unit=unit,
+        start=_start(variable.start, kind),
+        shape=shapes.of(variable),
+        minimum=_bound(variable.min),
+        maximum=_bound(variable.max),
+        description=variable.description or "",
+        items=items or None,
+    )
+
+
+def _fmi3_type(name: str) -> VariableType:
+    # A clock carries no value that a master without event mode could pass on.
+    return VariableType.BINARY if name == "Clock" else VariableType(name)
+
+
+def _bound(text: str | None) -> float | None:
+    return None if text is None else float(text)
+
+
+def _start(text: str | None, kind: VariableType) -> Any:
+    if text is None or kind in {VariableType.STRING, VariableType.BINARY}:
+        return text
+    values = [_scalar(word, kind) for word in text.split()]
+    return values[0] if len(values) == 1 else tuple(values)
+
+
+def _scalar(word: str, kind: VariableType) -> float | int | bool:
+    if kind.is_float:
+        return float(word)
+    return word in {"true", "1"} if kind is VariableType.BOOLEAN else int(word)
+
+
+def _dependencies(unknowns: list[Any]) -> dict[str, tuple[str, ...]]:
+    """Direct dependencies on inputs; an unknown that declares none is taken to have none."""
+    return {
+        unknown.variable.name: tuple(
+            variable.name
+            for variable in unknown.dependencies or ()
+            if variable.causality == "input"
+        )
+        for unknown in unknowns
+    }
+
+
+def _terminals(folder: Path, variables: Mapping[str, Variable]) -> dict[str, dict[str, str]]:
+    """FMI 3.0 section 2.4.9; nested terminals get dotted names."""
+    path = folder / "terminalsAndIcons" / "terminalsAndIcons.xml"
+    if not path.is_file():
+        return {}
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError:
+        return {}
+    found: dict[str, dict[str, str]] = {}
+
+    def visit(element: ET.Element, prefix: str) -> None:
+        for terminal in element.findall("Terminal"):
+            name = prefix + terminal.get("name", "")
+            members = {
+                member.get("memberName") or member.get("variableName", ""): variable
+                for member in terminal.findall("TerminalMemberVariable")
+                if (variable := member.get("variableName", "")) in variables
+            }
+            if members:
+                found[name] = members
+            visit(terminal, f"{name}.")
+
+    terminals = root.find("Terminals")
+    if terminals is not None:
+        visit(terminals, "")
+    return found
+
+
+def _unit(unit: Any) -> Unit:
+    base = unit.baseUnit
+    if base is None:
+        return Unit(unit.name, None)
+    exponents = tuple(int(getattr(base, name)) for name in _EXPONENTS)
+    return Unit(unit.name, exponents, float(base.factor), float(base.offset))
+
+
+def _fixed_step(description: Any) -> Fraction | None:
+    interface = description.coSimulation
+    if interface.canHandleVariableCommunicationStepSize:
+        return None
+    experiment = description.defaultExperiment
+    text = interface.fixedInternalStepSize or (experiment.stepSize if experiment else None)
+    if text is None or float(text) <= 0:
+        return None
+    exact = Fraction(str(text))
+    near = exact.limit_denominator(1_000_000)
+    # 0.3333333333 was written for 1/3; an exact value stays what it is.
+    return near if abs(near - exact) <= abs(exact) * Fraction(1, 10**9) else exact

@@ -1,0 +1,217 @@
+"""The compiled kernel: finding it, and its structures field by field (``kernel/kernel.h``)."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import c_char_p, c_double, c_int32, c_int64, c_void_p
+from enum import IntEnum
+from functools import cache
+from typing import Any
+
+from cosim.base.component import VariableType
+from cosim.base.errors import RunError
+
+ABI = 1
+
+
+class Outcome(IntEnum):
+    """Why the kernel came back."""
+
+    DONE = 0
+    CALL = 1
+    STATUS = 2
+    NOT_A_NUMBER = 3
+    RANGE = 4
+    EARLY_RETURN = 5
+    TERMINATED = 6
+    OVERFLOW = 7
+
+
+class Kind(IntEnum):
+    """What an operation does."""
+
+    COPY = 0
+    CONVERT = 1
+    SET_FLOAT64 = 2
+    GET_FLOAT64 = 3
+    SET = 4
+    GET = 5
+    STEP = 6
+    CALL = 7
+    DELIVER = 8
+    SAMPLE = 9
+    SEND = 10
+    RECORD = 11
+
+
+TYPE_CODES = {
+    VariableType.FLOAT64: 0,
+    VariableType.FLOAT32: 1,
+    VariableType.INT8: 2,
+    VariableType.UINT8: 3,
+    VariableType.INT16: 4,
+    VariableType.UINT16: 5,
+    VariableType.INT32: 6,
+    VariableType.UINT32: 7,
+    VariableType.INT64: 8,
+    VariableType.UINT64: 9,
+    VariableType.BOOLEAN: 10,
+    VariableType.ENUMERATION: 8,
+}
+"""How an FMI 3 function passes a value of each type; FMI 2 has an int behind all but reals."""
+
+FMI2_TYPE_CODES = {
+    VariableType.FLOAT64: 0,
+    VariableType.INT32: 6,
+    VariableType.ENUMERATION: 6,
+    VariableType.BOOLEAN: 11,
+}
+
+
+class ConversionStruct(ctypes.Structure):
+    """``Conversion``."""
+
+    _fields_ = [
+        ("source", c_int64),
+        ("target", c_int64),
+        ("from_integer", c_int64),
+        ("gain", c_double),
+        ("offset", c_double),
+    ]
+
+
+class OperationStruct(ctypes.Structure):
+    """``Operation``."""
+
+    _fields_ = [
+        ("kind", c_int32),
+        ("owner", c_int32),
+        ("type", c_int32),
+        ("version", c_int32),
+        ("function", c_void_p),
+        ("references", c_void_p),
+        ("reference_count", c_int64),
+        ("cells", c_void_p),
+        ("cell_count", c_int64),
+        ("scratch", c_void_p),
+        ("table", c_void_p),
+    ]
+
+
+class InstanceStruct(ctypes.Structure):
+    """``Instance``."""
+
+    _fields_ = [
+        ("instance", c_void_p),
+        ("do_step", c_void_p),
+        ("version", c_int64),
+        ("period", c_int64),
+        ("substeps", c_int64),
+        ("step", c_double),
+        ("warnings", c_int64),
+    ]
+
+
+class BundleStruct(ctypes.Structure):
+    """``Bundle``."""
+
+    _fields_ = [
+        ("period", c_int64),
+        ("width", c_int64),
+        ("sources", c_void_p),
+        ("held", c_void_p),
+        ("age", c_void_p),
+        ("held_sequence", c_void_p),
+        ("sampled", c_int64),
+        ("sequence", c_int64),
+        ("immediate", c_int64),
+        ("delay", c_int64),
+        ("fates", c_void_p),
+        ("copies", c_void_p),
+        ("fate_first", c_int64),
+        ("fate_count", c_int64),
+        ("capacity", c_int64),
+        ("in_flight", c_int64),
+        ("next_arrival", c_int64),
+        ("arrival", c_void_p),
+        ("flight_sequence", c_void_p),
+        ("flight_sampled", c_void_p),
+        ("payload", c_void_p),
+        ("sent", c_int64),
+        ("delivered", c_int64),
+        ("lost", c_int64),
+        ("late", c_int64),
+        ("duplicate", c_int64),
+    ]
+
+
+class RecordStruct(ctypes.Structure):
+    """``Record``."""
+
+    _fields_ = [("rows", c_void_p), ("row", c_int64), ("row_count", c_int64)]
+
+
+class KernelStruct(ctypes.Structure):
+    """``Kernel``."""
+
+    _fields_ = [
+        ("cells", c_void_p),
+        ("operations", c_void_p),
+        ("program", c_void_p),
+        ("program_start", c_void_p),
+        ("pattern", c_void_p),
+        ("hyperperiod", c_int64),
+        ("first_program", c_int64),
+        ("instances", c_void_p),
+        ("bundles", c_void_p),
+        ("records", c_void_p),
+        ("tick_numerator", c_int64),
+        ("tick_denominator", c_int64),
+        ("tick", c_int64),
+        ("phase", c_int64),
+        ("running", c_int64),
+        ("position", c_int64),
+        ("operation", c_int64),
+        ("status", c_int64),
+        ("cell", c_int64),
+    ]
+
+
+class LogStruct(ctypes.Structure):
+    """``Log``."""
+
+    _fields_ = [
+        ("text", c_char_p),
+        ("capacity", c_int64),
+        ("used", c_int64),
+        ("messages", c_int64),
+    ]
+
+
+@cache
+def library() -> Any:
+    """The kernel for this machine.
+
+    Raises:
+        RunError: it was not built, or it is another version's.
+    """
+    from cosim.master.kernel.build import find_kernel
+    from fmus.compiler import BuildError
+
+    try:
+        kernel = ctypes.CDLL(str(find_kernel()))
+    except (BuildError, OSError) as error:
+        raise RunError(f"the compiled kernel cannot be loaded: {error}; run 'uv sync'") from None
+    kernel.kernel_abi.restype = c_int64
+    if kernel.kernel_abi() != ABI:
+        raise RunError("the compiled kernel is older than its sources; run 'uv sync'")
+    kernel.kernel_run.argtypes = (c_void_p, c_int64)
+    kernel.kernel_run.restype = c_int32
+    kernel.kernel_evaluate.argtypes = (c_void_p, c_int64)
+    kernel.kernel_evaluate.restype = c_int32
+    return kernel
+
+
+def function_address(function: Any) -> int:
+    """The address of a function of a loaded library."""
+    return ctypes.cast(function, c_void_p).value or 0

@@ -1,0 +1,286 @@
+"""From the plan to what the kernel runs: operations with addresses, in one program a due set."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.base.component import Cells, VariableType
+from cosim.master.assembly.clock import Clock
+from cosim.master.assembly.interface import size_of
+from cosim.master.assembly.layout import Layout
+from cosim.master.assembly.plan import Act, Action, Part, Plan, due_together
+from cosim.master.assembly.wiring import Wire, Wiring
+from cosim.master.channels.packets import Packets
+from cosim.master.kernel.native import (
+    FMI2_TYPE_CODES,
+    TYPE_CODES,
+    ConversionStruct,
+    InstanceStruct,
+    KernelStruct,
+    Kind,
+    OperationStruct,
+    RecordStruct,
+)
+
+INITIAL = 0
+"""The number of the program of initialisation mode."""
+
+_FIRST, _EVERY = 1, 2
+_CALLS = {Act.READ: "read", Act.GET: "evaluate", Act.WRITE: "write", Act.STEP: "step"}
+
+
+class Native(Protocol):
+    """What the program needs of a loaded FMU."""
+
+    version: int
+    substeps: int
+
+    @property
+    def instance(self) -> int:
+        """Address of the instance."""
+        ...
+
+    @property
+    def do_step(self) -> int:
+        """Address of ``fmi2DoStep`` or ``fmi3DoStep``."""
+        ...
+
+    def accessor(self, kind: VariableType, *, is_set: bool) -> int:
+        """Address of the set or get function of a type."""
+        ...
+
+    def reference(self, variable: str) -> int:
+        """The value reference of a variable."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call-out to a Python component."""
+
+    component: str
+    method: str
+
+
+class Program:
+    """The kernel's structures; owns all memory that they point to."""
+
+    def __init__(
+        self, parts: Mapping[str, Part], wiring: Wiring, layout: Layout, clock: Clock
+    ) -> None:
+        self.parts = parts
+        self.wiring = wiring
+        self.layout = layout
+        self.clock = clock
+        self.cells: NDArray[np.int64] = np.zeros(max(layout.count, 1), dtype=np.int64)
+        self.packets = Packets(wiring.bundles, layout, self.cells)
+        self.kernel = KernelStruct()
+        self.actions: list[Action] = []
+        """The action behind each operation."""
+        self.calls: dict[int, Call] = {}
+        """The call-out behind an operation."""
+        self._operations: list[OperationStruct] = []
+        self._keep: list[Any] = []
+        self._natives: Mapping[str, Native] = {}
+        self._numbers: dict[str, int] = {}
+        self._wires: dict[tuple[str, str], list[Wire]] = {}
+        for wire in wiring.wires:
+            key = (wire.target.component, wire.target.variable)
+            self._wires.setdefault(key, []).append(wire)
+
+    def view(self, component: str, variable: str) -> Cells:
+        """The cells of a variable, with its shape; ``(1,)`` for a scalar."""
+        described = self.parts[component].interface.variables[variable]
+        first = self.layout.cells[component, variable]
+        cells = self.cells[first : first + size_of(described)].reshape(described.shape or (1,))
+        return cells.view(np.float64) if described.type.is_float else cells
+
+    def compile(
+        self, plan: Plan, natives: Mapping[str, Native], columns: Sequence[Sequence[int]]
+    ) -> None:
+        """Fill the structures. ``columns`` holds the recorded cells of each group."""
+        self._natives = natives
+        self._numbers = {name: number for number, name in enumerate(sorted(natives))}
+        self._columns = columns
+        self.instances: Any = (InstanceStruct * max(len(natives), 1))()
+        for name, number in self._numbers.items():
+            native, period = natives[name], self.parts[name].period
+            self.instances[number] = InstanceStruct(
+                native.instance,
+                native.do_step,
+                native.version,
+                period,
+                native.substeps,
+                self.clock.step(period, native.substeps),
+                0,
+            )
+        self.records: Any = (RecordStruct * max(len(columns), 1))()
+        self._write_programs(plan)
+
+    def stopped_at(self) -> Action:
+        """The action at which the kernel came back."""
+        return self.actions[int(self.kernel.operation)]
+
+    def warnings(self) -> dict[str, int]:
+        """The warnings that FMUs have returned, by component."""
+        counts = {name: self.instances[number].warnings for name, number in self._numbers.items()}
+        return {name: count for name, count in counts.items() if count}
+
+    def _write_programs(self, plan: Plan) -> None:
+        periods = [action.period for action in plan.every] or [1]
+        hyperperiod = self.clock.hyperperiod(periods)
+        due_sets, pattern = due_together(periods, hyperperiod)
+        every = [(action.period, self._operation_numbers(action)) for action in plan.every]
+        programs = [
+            [number for action in program for number in self._operation_numbers(action)]
+            for program in (plan.initial, plan.first)
+        ]
+        programs += [
+            [number for period, numbers in every if period in due for number in numbers]
+            for due in due_sets
+        ]
+        starts = np.cumsum([0, *map(len, programs)]).astype(np.int64)
+        flat = np.array([number for program in programs for number in program], dtype=np.int32)
+        shifted = (pattern + _EVERY).astype(np.int32)
+        operations = (OperationStruct * max(len(self._operations), 1))(*self._operations)
+        self._keep += [starts, flat, shifted, operations]
+
+        tick = self.clock.tick
+        kernel = self.kernel
+        kernel.cells = self.cells.ctypes.data
+        kernel.operations = ctypes.addressof(operations)
+        kernel.program = flat.ctypes.data
+        kernel.program_start = starts.ctypes.data
+        kernel.pattern = shifted.ctypes.data
+        kernel.hyperperiod = hyperperiod
+        kernel.first_program = _FIRST
+        kernel.instances = ctypes.addressof(self.instances)
+        kernel.bundles = ctypes.addressof(self.packets.structs)
+        kernel.records = ctypes.addressof(self.records)
+        kernel.tick_numerator = tick.numerator
+        kernel.tick_denominator = tick.denominator
+        kernel.running = -1
+
+    def _operation_numbers(self, action: Action) -> list[int]:
+        first = len(self._operations)
+        for operation in self._operations_of(action):
+            self._operations.append(operation)
+            self.actions.append(action)
+        return list(range(first, len(self._operations)))
+
+    def _operations_of(self, action: Action) -> Iterable[OperationStruct]:
+        unit = action.unit
+        if isinstance(unit, int):
+            yield from self._bundle_operations(action, unit)
+        elif action.act is Act.SET:
+            yield from self._copies(unit, action.names)
+            if unit in self._natives:
+                yield from self._accesses(unit, action.names, is_set=True)
+        elif unit in self._natives:
+            if action.act is Act.GET:
+                yield from self._accesses(unit, action.names, is_set=False)
+            else:
+                yield OperationStruct(kind=Kind.STEP, owner=self._numbers[unit])
+        elif self.parts[unit].overrides(_CALLS[action.act]):
+            self.calls[len(self._operations)] = Call(unit, _CALLS[action.act])
+            yield OperationStruct(kind=Kind.CALL)
+
+    def _bundle_operations(self, action: Action, number: int) -> Iterable[OperationStruct]:
+        if action.act is Act.DELIVER:
+            yield OperationStruct(kind=Kind.DELIVER, owner=number)
+        elif action.act is Act.SEND:
+            yield OperationStruct(kind=Kind.SEND, owner=number)
+        elif action.act is Act.RECORD:
+            columns = np.array(self._columns[number], dtype=np.int32)
+            yield self._with_table(Kind.RECORD, columns, len(columns), owner=number)
+        else:
+            entries = self.wiring.bundles[number].entries
+            indices = [int(name) for name in action.names]
+            pairs = [
+                (self.layout.of(entries[index].source), self.layout.held[number] + index)
+                for index in indices
+            ]
+            kind = Kind.COPY if action.act is Act.HOLD else Kind.SAMPLE
+            table = np.array(pairs, dtype=np.int32)
+            yield self._with_table(kind, table, len(pairs), owner=number)
+
+    def _copies(self, unit: str, names: Iterable[str | int]) -> Iterable[OperationStruct]:
+        wires = [wire for name in names for wire in self._wires.get((unit, str(name)), [])]
+        pairs = [
+            (self.layout.of(wire.source), self.layout.of(wire.target))
+            for wire in wires
+            if wire.is_plain
+        ]
+        if pairs:
+            yield self._with_table(Kind.COPY, np.array(sorted(pairs), dtype=np.int32), len(pairs))
+        converted = [wire for wire in wires if not wire.is_plain]
+        if converted:
+            table = (ConversionStruct * len(converted))(
+                *(
+                    ConversionStruct(
+                        self.layout.of(wire.source),
+                        self.layout.of(wire.target),
+                        wire.from_integer,
+                        wire.gain,
+                        wire.offset,
+                    )
+                    for wire in converted
+                )
+            )
+            self._keep.append(table)
+            yield OperationStruct(
+                kind=Kind.CONVERT, cell_count=len(converted), table=ctypes.addressof(table)
+            )
+
+    def _accesses(
+        self, unit: str, names: Iterable[str | int], *, is_set: bool
+    ) -> Iterable[OperationStruct]:
+        """One operation for each run of neighbouring cells of one type."""
+        variables = self.parts[unit].interface.variables
+        native = self._natives[unit]
+        ordered = sorted((self.layout.cells[unit, str(name)], str(name)) for name in names)
+        begins: list[int] = []
+        expected: tuple[VariableType, int] | None = None
+        for first, name in ordered:
+            kind = variables[name].type
+            if expected != (kind, first):
+                begins.append(first)
+            expected = (kind, first + size_of(variables[name]))
+        for _, run in groupby(ordered, lambda item: sum(begin <= item[0] for begin in begins)):
+            members = list(run)
+            kind = variables[members[0][1]].type
+            count = sum(size_of(variables[name]) for _, name in members)
+            references = np.array([native.reference(name) for _, name in members], np.uint32)
+            codes = FMI2_TYPE_CODES if native.version == 2 else TYPE_CODES
+            scratch = np.zeros(count, dtype=np.int64)
+            self._keep += [references, scratch]
+            direct = kind is VariableType.FLOAT64
+            yield OperationStruct(
+                kind=(
+                    (Kind.SET_FLOAT64 if direct else Kind.SET)
+                    if is_set
+                    else (Kind.GET_FLOAT64 if direct else Kind.GET)
+                ),
+                owner=self._numbers[unit],
+                type=codes[kind],
+                version=native.version,
+                function=native.accessor(kind, is_set=is_set),
+                references=references.ctypes.data,
+                reference_count=len(references),
+                cells=self.cells.ctypes.data + 8 * members[0][0],
+                cell_count=count,
+                scratch=scratch.ctypes.data,
+            )
+
+    def _with_table(
+        self, kind: Kind, table: NDArray[np.int32], count: int, *, owner: int = 0
+    ) -> OperationStruct:
+        self._keep.append(table)
+        return OperationStruct(kind=kind, owner=owner, cell_count=count, table=table.ctypes.data)

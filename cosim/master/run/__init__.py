@@ -1,0 +1,1 @@
+"""A run: components started, ticks executed, paced or not, and everything closed."""

@@ -1,0 +1,73 @@
+"""Why the kernel stopped, in a sentence: the component, the tick, the time, what the FMU logged."""
+
+from __future__ import annotations
+
+from cosim.base.errors import CohapticError, InputError, RunError
+from cosim.master.assembly.interface import Element
+from cosim.master.assembly.plan import Act
+from cosim.master.fmu.instance import STATUS_NAMES, Fmu
+from cosim.master.kernel.native import Outcome
+from cosim.master.kernel.program import Program
+
+_DID = {
+    Act.SET: "setting its inputs",
+    Act.GET: "reading its outputs",
+    Act.STEP: "its step",
+}
+
+
+def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> CohapticError:
+    """The error that the kernel's outcome stands for.
+
+    What an FMU refuses at initialisation is what the scenario gave it: an input error.
+    """
+    kernel = program.kernel
+    action = program.stopped_at()
+    component = str(action.unit)
+    when = moment(program)
+    fmu = fmus.get(component)
+    said = fmu.messages() if fmu is not None else []
+    logged = f"; it said: {' / '.join(said)}" if said else "; it logged nothing"
+    if outcome is Outcome.STATUS:
+        number = int(kernel.status)
+        known = 0 <= number < len(STATUS_NAMES)
+        status = STATUS_NAMES[number] if known else str(number)
+        if status == "discard" and fmu is not None and fmu.asks_to_end():
+            return RunError(f"{component} asked to end the simulation at {when}{logged}")
+        kind = RunError if kernel.running or status == "fatal" else InputError
+        return kind(
+            f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"
+        )
+    if outcome is Outcome.NOT_A_NUMBER:
+        return RunError(f"{_variable(program)} became NaN at {when}{logged}")
+    if outcome is Outcome.RANGE:
+        value = int(program.cells[kernel.cell])
+        kind = _type(program)
+        return RunError(f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}")
+    if outcome is Outcome.EARLY_RETURN:
+        return RunError(
+            f"{component} returned early from its step at {when}, though that was not allowed; an "
+            "FMU that needs event mode or early return cannot be used"
+        )
+    if outcome is Outcome.TERMINATED:
+        return RunError(f"{component} asked to end the simulation at {when}{logged}")
+    return RunError(f"the plan's room for packets or rows was exceeded at {when}; report this")
+
+
+def moment(program: Program) -> str:
+    """The tick and the time that the kernel is at."""
+    if program.kernel.running == 0:
+        return "initialisation"
+    tick = program.kernel.tick
+    return f"tick {tick} ({program.clock.seconds(tick):g} s)"
+
+
+def _variable(program: Program) -> str:
+    component, variable, index = program.layout.owner(program.kernel.cell)
+    interface = program.parts[component].interface
+    return f"{component}.{interface.element_name(Element(variable, index))}"
+
+
+def _type(program: Program) -> str:
+    component, variable, _ = program.layout.owner(program.kernel.cell)
+    return program.parts[component].interface.variables[variable].type

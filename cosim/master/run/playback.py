@@ -1,0 +1,97 @@
+"""A component of an earlier run, played back: the outputs that it had, tick by tick."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.errors import InputError, RunError
+from cosim.base.suggest import did_you_mean
+
+
+class Playback(Component):
+    """Shows at tick k what the recorded component showed at tick k.
+
+    It has the recorded outputs under their own names, and accepts the inputs that were recorded
+    (and ignores them), so that it takes the component's place without changing a connection.
+    """
+
+    feedthrough = False
+
+    def __init__(self, folder: Path, component: str) -> None:
+        from cosim.record import open_run
+
+        self._folder = folder
+        self._variables: list[Variable] = []
+        self._values: dict[str, tuple[int, NDArray[np.int64]]] = {}
+        prefix = f"{component}."
+        with open_run(folder) as run:
+            self._tick = 1 / run.base_rate
+            signals = {name: s for name, s in run.signals.items() if name.startswith(prefix)}
+            if not signals:
+                known = {name.partition(".")[0] for name in run.signals}
+                raise InputError(
+                    f"{folder} has nothing recorded of '{component}'."
+                    f"{did_you_mean(component, known)}"
+                )
+            for name, signal in signals.items():
+                column = signal.column
+                self._variables.append(
+                    Variable(
+                        name=name.removeprefix(prefix),
+                        type=VariableType.FLOAT64 if column.is_float else VariableType.INT64,
+                        causality=(
+                            Causality.INPUT if column.causality == "input" else Causality.OUTPUT
+                        ),
+                        unit=column.unit,
+                        description=column.description,
+                    )
+                )
+                if column.causality != "input":
+                    values = np.ascontiguousarray(signal.values).view(np.int64)
+                    self._values[name.removeprefix(prefix)] = (signal.group.period, values)
+
+    @property
+    def variables(self) -> Sequence[Variable]:
+        """The recorded ones."""
+        return self._variables
+
+    def initialise(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Take the outputs' cells.
+
+        Raises:
+            InputError: the run was recorded with another tick.
+        """
+        tick = setup.tick[0] / setup.tick[1]
+        if tick != float(self._tick):
+            raise InputError(
+                f"{setup.name}: {self._folder} was recorded with a base tick of "
+                f"{float(self._tick):g} s; this scenario has {tick:g} s"
+            )
+        self._name = setup.name
+        self._targets = [
+            (outputs[name].view(np.int64), period, values)
+            for name, (period, values) in self._values.items()
+        ]
+        self.evaluate(0)
+
+    def evaluate(self, tick: int) -> None:
+        """Show the recorded row of this tick, or the last one before it.
+
+        Raises:
+            RunError: the recording ended before this tick.
+        """
+        for target, period, values in self._targets:
+            row = tick // period
+            if row >= len(values):
+                raise RunError(
+                    f"{self._name}: the recording in {self._folder} ends at tick "
+                    f"{len(values) * period}"
+                )
+            target[0] = values[row]

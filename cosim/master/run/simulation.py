@@ -1,0 +1,311 @@
+"""A run: components started, ticks run in chunks by the kernel, rows handed over, all closed."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from types import TracebackType
+
+from cosim.base.component import Component
+from cosim.base.recording import RecordGroup, Rows, Sink
+from cosim.master.assembly.assemble import Assembly, put_together
+from cosim.master.assembly.interface import has_cells
+from cosim.master.assembly.parameters import element_start
+from cosim.master.assembly.participants import setup_of
+from cosim.master.assembly.python_component import sentences
+from cosim.master.channels.packets import PacketCount
+from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.refusal import placed_refusal
+from cosim.master.kernel.native import Outcome as Stop
+from cosim.master.kernel.native import library
+from cosim.master.kernel.program import INITIAL, Program
+from cosim.master.run.diagnosis import explain, moment
+from cosim.master.run.interrupt import Wish, wish_to_stop
+from cosim.master.run.paced_loop import PacedLoop
+from cosim.master.run.pacing import Pacer
+from cosim.scenario import Scenario
+
+FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
+CHUNK_SECONDS = (0.005, 0.05)
+"""A chunk grows while it takes less than the first and shrinks where it takes more than the second,
+so that Ctrl-C is heard soon."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """How far a run came, and what was counted on the way."""
+
+    ticks: int
+    wall_time: float
+    """Time spent in the loop (s), without start-up and shut-down."""
+    interrupted: bool
+    channels: Mapping[str, PacketCount] = field(default_factory=dict[str, PacketCount])
+    warnings: Mapping[str, int] = field(default_factory=dict[str, int])
+    """Warnings that FMUs returned, by component."""
+
+
+Progress = Callable[[int, float], None]
+"""Told the ticks done and the loop's wall time (s), a few times a second."""
+
+
+def assemble(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Simulation:
+    """Read, check, wire and plan a scenario; no native code has run yet.
+
+    ``made`` holds Python components that exist already, by name.
+
+    Raises:
+        InputError: a problem, or ``InputErrors`` for several, each with its place.
+    """
+    return Simulation(put_together(scenario, made))
+
+
+class Simulation:
+    """One run of a scenario; a context manager that closes every component on every exit path."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly = assembly
+        self.program = Program(assembly.parts, assembly.wiring, assembly.layout, assembly.clock)
+        self.outcome = Outcome(ticks=0, wall_time=0.0, interrupted=False)
+        """What was reached, also after an error."""
+        self._fmus: dict[str, Fmu] = {}
+        self._components: dict[str, Component] = {}
+        self._started: list[Component] = []
+        self._failed: set[str] = set()
+        self._wall_time = 0.0
+        self._rows: dict[int, Rows] = {}
+
+    @property
+    def scenario(self) -> Scenario:
+        """What runs."""
+        return self.assembly.scenario
+
+    @property
+    def groups(self) -> tuple[RecordGroup, ...]:
+        """What will be recorded."""
+        return self.assembly.groups
+
+    @property
+    def lagging(self) -> tuple[str, ...]:
+        """Connections into FMUs without ``feedthrough: true``, which answer a step late."""
+        return self.assembly.lagging
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth telling: unit conversions."""
+        return self.assembly.notes
+
+    @property
+    def fmu_digests(self) -> dict[str, str]:
+        """SHA-256 (hex) of every FMU, by component."""
+        return {
+            name: each.fmu.sha256
+            for name, each in self.assembly.participants.items()
+            if each.fmu is not None
+        }
+
+    def run(
+        self,
+        sink: Sink | None = None,
+        *,
+        progress: Progress | None = None,
+        until: int | None = None,
+        pacer: Pacer | None = None,
+    ) -> Outcome:
+        """Run to tick ``until`` (the scenario's end unless given).
+
+        Ctrl-C ends the run early; what was reached has been handed to ``sink`` in any case. With a
+        ``pacer`` the loop runs tick by tick and tells nobody how far it is; the numbers are the
+        same.
+
+        Raises:
+            InputError: a component refuses its parameters or cannot be loaded.
+            RunError: an FMU returned an error status, put out NaN, or a component failed.
+        """
+        end = self.scenario.ticks if until is None else until
+        interrupted = False
+        try:
+            self._start(end, recorded=sink is not None)
+            if sink is not None:
+                sink.begin(self.groups, self.scenario.base_rate)
+            with wish_to_stop() as wish:
+                self._loop(end, sink, progress, pacer, wish)
+            interrupted = wish.is_made and self.program.kernel.tick < end
+        except KeyboardInterrupt:
+            interrupted = True
+        finally:
+            self.outcome = Outcome(
+                ticks=self.program.kernel.tick,
+                wall_time=self._wall_time,
+                interrupted=interrupted,
+                channels=self.program.packets.counts(),
+                warnings=self.program.warnings(),
+            )
+            self.close()
+        return self.outcome
+
+    def close(self) -> None:
+        """Free every FMU and close every component; may be called more than once."""
+        for component in reversed(self._started):
+            with suppress(Exception):  # every component must be reached
+                component.close()
+        self._started.clear()
+        for name, fmu in self._fmus.items():
+            fmu.close(failed=name in self._failed)
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _start(self, end: int, *, recorded: bool) -> None:
+        self._fill_start_values()
+        self._create_fmus()
+        plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
+        self.program.compile(plan, self._fmus, self.assembly.columns)
+        self._start_components()
+        for name, fmu in self._fmus.items():
+            period = self.assembly.parts[name].period
+            last = -(-end // period) * period  # the end of its last step may lie beyond the run's
+            with placed_refusal(self.scenario, name):
+                fmu.enter_initialisation(self.assembly.clock.seconds(last))
+        while (stop := self._evaluate(INITIAL)) is Stop.CALL:
+            self._serve()
+        self._raise_unless_done(stop)
+        for name, fmu in self._fmus.items():
+            with placed_refusal(self.scenario, name):
+                fmu.exit_initialisation()
+
+    def _create_fmus(self) -> None:
+        for name, participant in self.assembly.participants.items():
+            if participant.fmu is None:
+                continue
+            fmu = Fmu(name, participant.fmu, substeps=participant.substeps)
+            self._fmus[name] = fmu
+            with placed_refusal(self.scenario, name):
+                fmu.instantiate()
+                fmu.configure(participant.parameters)
+                fmu.set_values(participant.parameters)
+                fmu.set_values(participant.start)
+
+    def _start_components(self) -> None:
+        for name, participant in self.assembly.participants.items():
+            component = participant.component
+            if component is None:
+                continue
+            self._components[name] = component
+            self._started.append(component)
+            views = {
+                causality: {
+                    variable.name: self.program.view(name, variable.name)
+                    for variable in participant.interface.variables.values()
+                    if variable.causality == causality and has_cells(variable)
+                }
+                for causality in ("input", "output")
+            }
+            with sentences(name, "while it was initialised"):
+                component.initialise(
+                    setup_of(self.scenario, participant), views["input"], views["output"]
+                )
+
+    def _fill_start_values(self) -> None:
+        for name, participant in self.assembly.participants.items():
+            for variable in participant.interface.variables.values():
+                if has_cells(variable):
+                    values = participant.start.get(variable.name) or element_start(variable)
+                    self.program.view(name, variable.name).reshape(-1)[:] = values
+        for number, bundle in enumerate(self.assembly.wiring.bundles):
+            held = self.assembly.layout.held[number]
+            for index, entry in enumerate(bundle.entries):
+                if entry.target is not None:
+                    start = self.program.cells[self.assembly.layout.of(entry.target)]
+                    self.program.cells[held + index] = start
+
+    def _loop(
+        self,
+        end: int,
+        sink: Sink | None,
+        progress: Progress | None,
+        pacer: Pacer | None,
+        wish: Wish,
+    ) -> None:
+        kernel = self.program.kernel
+        chunk = FIRST_CHUNK
+        told = began = time.perf_counter()
+        try:
+            if pacer is not None:
+                paced = PacedLoop(self.program, self._components, self.groups, sink)
+                self._raise_unless_done(paced.run(end, pacer, wish))
+                return
+            while kernel.tick < end and not wish.is_made:
+                first = kernel.tick
+                stop = min(end, first + chunk)
+                before = time.perf_counter()
+                self._run_chunk(first, stop, sink)
+                now = time.perf_counter()
+                if now - before < CHUNK_SECONDS[0]:
+                    chunk = min(2 * chunk, LONGEST_CHUNK)
+                elif now - before > CHUNK_SECONDS[1]:
+                    chunk = max(chunk // 2, 1)
+                if progress is not None and (now - told > 0.1 or kernel.tick == end):
+                    told = now
+                    progress(kernel.tick, now - began)
+        finally:
+            self._wall_time = time.perf_counter() - began
+
+    def _run_chunk(self, first: int, stop: int, sink: Sink | None) -> None:
+        self.program.packets.draw()
+        if sink is not None:
+            self._open_rows(first, stop, sink)
+        try:
+            while (outcome := self._advance(stop)) is Stop.CALL:
+                self._serve()
+            self._raise_unless_done(outcome)
+        finally:
+            if sink is not None:
+                self._commit_rows(first, sink)
+
+    def _advance(self, stop: int) -> Stop:
+        return Stop(library().kernel_run(_address(self.program), stop))
+
+    def _evaluate(self, program: int) -> Stop:
+        return Stop(library().kernel_evaluate(_address(self.program), program))
+
+    def _serve(self) -> None:
+        call = self.program.calls[self.program.kernel.operation]
+        with sentences(call.component, f"in {call.method} at {moment(self.program)}"):
+            getattr(self._components[call.component], call.method)(self.program.kernel.tick)
+
+    def _raise_unless_done(self, stop: Stop) -> None:
+        if stop is not Stop.DONE:
+            component = str(self.program.stopped_at().unit)
+            self._failed.add(component)
+            with placed_refusal(self.scenario, component):
+                raise explain(stop, self.program, self._fmus)
+
+    def _open_rows(self, first: int, stop: int, sink: Sink) -> None:
+        for number, group in enumerate(self.groups):
+            rows = -(-stop // group.period) - -(-first // group.period)
+            record = self.program.records[number]
+            record.row, record.row_count = 0, rows
+            if rows:
+                self._rows[number] = sink.buffer(number, rows)
+                record.rows = self._rows[number].ctypes.data
+
+    def _commit_rows(self, first: int, sink: Sink) -> None:
+        for number, group in enumerate(self.groups):
+            record = self.program.records[number]
+            if record.row_count:
+                sink.commit(number, -(-first // group.period) * group.period, record.row)
+
+
+def _address(program: Program) -> int:
+    return ctypes.addressof(program.kernel)

@@ -1,0 +1,107 @@
+"""A written component resolved: its source found, its rate in ticks."""
+
+from __future__ import annotations
+
+import re
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from cosim.scenario.build.context import Context
+from cosim.scenario.form.document import ComponentForm, DeviceForm
+from cosim.scenario.source.merge import KINDS
+from cosim.scenario.model import Component, Kind
+from cosim.base.suggest import did_you_mean
+
+
+def build_component(context: Context, name: str, form: ComponentForm) -> Component | None:
+    """The component, or ``None`` after reporting why there is none."""
+    kind = Kind(next(key for key in KINDS if getattr(form, key) is not None))
+    source = _source(context, name, kind, form)
+    rate = context.rate(form.rate, ("components", name))
+    if source is None or rate is None or rate in context.refused:
+        return None
+    bundled = kind is Kind.FMU and not Path(source).is_absolute()
+    if form.flavour is not None and not bundled:
+        message = f"components.{name}: 'flavour' is for bundled models; {form.fmu} is a file."
+        context.problems.add(("components", name, "flavour"), message)
+    feedthrough = form.feedthrough
+    if kind is Kind.FMU and feedthrough is None:
+        feedthrough = bundled
+    return Component(
+        name=name,
+        kind=kind,
+        source=source,
+        station=form.station,
+        rate_name=context.rate_name(form.rate),
+        rate=rate,
+        period=context.timebase.period(rate),
+        flavour=form.flavour or "fmi3",
+        substeps=form.substeps or 1,
+        feedthrough=feedthrough,
+        parameters=form.parameters,
+        start=form.start,
+        options=_options(form, name),
+    )
+
+
+def _options(form: ComponentForm, name: str) -> dict[str, Any]:
+    if isinstance(form.device, DeviceForm):
+        return dict(form.device.model_extra or {})
+    return {"component": form.of or name} if form.playback is not None else {}
+
+
+def _source(context: Context, name: str, kind: Kind, form: ComponentForm) -> str | None:
+    path = ("components", name, kind.value)
+    match kind:
+        case Kind.FMU:
+            found, message = _fmu(form.fmu or "", context.folder(path))
+        case Kind.PYTHON:
+            found, message = _python(form.python or "")
+        case Kind.DEVICE:
+            device = form.device
+            found, message = _url(device.url if isinstance(device, DeviceForm) else device or "")
+        case Kind.PLAYBACK:
+            found, message = _folder(form.playback or "", context.folder(path))
+    if found is None:
+        context.problems.add(path, f"components.{name}: {message}")
+    return found
+
+
+def bundled_models() -> list[str]:
+    """The names of the models that come with cohaptic."""
+    spec = find_spec("fmus")
+    folders = (spec and spec.submodule_search_locations) or []
+    return sorted(file.parent.name for at in folders for file in Path(at).glob("*/variables.py"))
+
+
+def _fmu(text: str, folder: Path) -> tuple[str | None, str]:
+    is_path = "/" in text or "\\" in text or text.casefold().endswith(".fmu")
+    if not is_path:
+        known = bundled_models()
+        if text in known:
+            return text, ""
+        hint = did_you_mean(text, known, listed=20)
+        return (
+            None,
+            f"no bundled FMU is called '{text}'.{hint} A file needs a path that ends in .fmu.",
+        )
+    file = (folder / Path(text).expanduser()).absolute()
+    return (str(file), "") if file.is_file() else (None, f"there is no file {file}.")
+
+
+def _python(text: str) -> tuple[str | None, str]:
+    if re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", text):
+        return text, ""
+    return None, f"'{text}' is no Python class; write 'package.module:Class'."
+
+
+def _url(text: str) -> tuple[str | None, str]:
+    if re.match(r"[a-z][a-z0-9+._-]*://", text):
+        return text, ""
+    return None, f"'{text}' is no device URL; write 'driver://port', such as 'mock://'."
+
+
+def _folder(text: str, folder: Path) -> tuple[str | None, str]:
+    place = (folder / Path(text).expanduser()).absolute()
+    return (str(place), "") if place.is_dir() else (None, f"there is no run folder {place}.")

@@ -1,0 +1,275 @@
+"""The document resolved into a :class:`Scenario`: names looked up, times in ticks, all checked."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import ValidationError
+
+from cosim.scenario.build.channel import ChannelProblem, directions
+from cosim.scenario.build.component import build_component
+from cosim.scenario.build.connection import build_connection, check_signal
+from cosim.scenario.build.context import Context
+from cosim.scenario.form.document import Document
+from cosim.scenario.form.expectation import components_in
+from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
+from cosim.base.problems import Problems
+from cosim.base.node import Node, PathKey
+from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
+from cosim.base.suggest import did_you_mean
+
+SECTIONS = ("components", "channels", "rates", "connections", "record", "expect")
+"""Sections whose members are checked one by one, so that one bad member hides no other."""
+
+LISTS = ("connections", "record")
+
+PLACEHOLDERS: dict[str, Any] = {"cohaptic": 1, "duration": 1, "components": {}}
+"""Stand in for required keys that are missing or wrong while the rest is checked."""
+
+
+def build(root: Node, file: Path) -> Scenario:
+    """Check and resolve a merged document.
+
+    Raises:
+        InputError: everything that is wrong with it.
+    """
+    assert isinstance(root.value, dict)
+    members = {key: node for key, node in root.value.items() if not key.startswith("x-")}
+    root = Node(members, root.place, root.key_place, root.removed)
+    problems = Problems(root)
+    context = _validate(root, problems)
+    document = context.document
+    timebase = _timebase(context)
+    context.timebase = timebase
+    _check_names(context)
+    components = _components(context)
+    channels = _channels(context, components)
+    connections = _connections(context, components, channels)
+    record = _record(context)
+    for signal in document.expect:
+        for component in components_in(signal):
+            check_signal(context, ("expect", signal), component)
+    problems.raise_if_any()
+    return Scenario(
+        cohaptic=document.cohaptic,
+        name=document.name or _name_of(file),
+        file=file,
+        title=document.title,
+        description=document.description,
+        duration=document.duration,
+        ticks=timebase.ticks(document.duration),
+        base_rate=timebase.base_rate,
+        seed=document.seed,
+        rates=document.rates,
+        components=components,
+        channels=channels,
+        connections=connections,
+        record=record,
+        expect=document.expect,
+        safety=document.safety,
+        realtime=document.realtime,
+        link=document.link,
+        root=root,
+    )
+
+
+def _validate(root: Node, problems: Problems) -> Context:
+    """The document without its bad members, which are reported."""
+    reported: set[tuple[PathKey, ...]] = set()
+    dropped: set[tuple[PathKey, ...]] = set()
+    while True:
+        plain, kept = _without(root.plain(), dropped)
+        try:
+            document = Document.model_validate(plain)
+            return Context(
+                root=root, problems=problems, document=document, kept=kept, doubtful=reported
+            )
+        except ValidationError as error:
+            before = len(dropped)
+            for finding in error.errors(include_url=False):
+                path = _as_written(finding["loc"], kept)
+                member = path[: 2 if path[0] in SECTIONS else 1]
+                is_extra = finding["type"] == "extra_forbidden"
+                if member not in reported:
+                    problems.add_validation({**finding, "loc": path})
+                dropped.add(path if is_extra else member)
+            assert len(dropped) > before, "each round drops what it found"
+            # What is left of a member may be wrong only because of what was dropped from it.
+            reported = {path[: 2 if path[0] in SECTIONS else 1] for path in dropped}
+
+
+def _as_written(loc: tuple[PathKey, ...], kept: dict[str, list[int]]) -> tuple[PathKey, ...]:
+    """Pydantic's path with the index that an item had before bad ones were left out."""
+    if len(loc) > 1 and isinstance(loc[1], int) and loc[0] in kept:
+        return (loc[0], kept[str(loc[0])][loc[1]], *loc[2:])
+    return loc
+
+
+def _without(
+    plain: dict[str, Any], dropped: set[tuple[PathKey, ...]]
+) -> tuple[dict[str, Any], dict[str, list[int]]]:
+    """The plain document without the dropped nodes, and the index of each item that is left."""
+    for path in dropped:
+        inner: Any = plain
+        for key in path[:-1]:  # union tags are in the path, but not in the document
+            if isinstance(inner, list) or (isinstance(inner, dict) and key in inner):
+                inner = cast("Any", inner)[key]
+        if isinstance(inner, dict):
+            cast("dict[PathKey, Any]", inner).pop(path[-1], None)
+    plain |= {key: PLACEHOLDERS[key] for key in PLACEHOLDERS if (key,) in dropped}
+    kept: dict[str, list[int]] = {}
+    for key in LISTS:
+        items = plain.get(key)
+        if isinstance(items, list):
+            given = cast("list[Any]", items)
+            kept[key] = [i for i in range(len(given)) if (key, i) not in dropped]
+            plain[key] = [given[i] for i in kept[key]]
+    return plain, kept
+
+
+def _timebase(context: Context) -> Timebase:
+    """The base tick from every rate that occurs, named or not."""
+    rates, paths = _all_rates(context)
+    base = context.document.base_rate
+    if not rates:
+        return Timebase(base or Fraction(1))
+    if base is None:
+        timebase, refused = choose_base_rate(rates)
+    else:
+        timebase, refused = Timebase(base), check_base_rate(base, rates)
+    for label, sentence in refused.items():
+        context.problems.add(paths[label], sentence)
+    context.refused = {rates[label] for label in refused}
+    return timebase
+
+
+def _all_rates(
+    context: Context,
+) -> tuple[dict[str, Fraction], dict[str, tuple[PathKey, ...]]]:
+    """Every rate by a label for messages, and where it is written."""
+    document = context.document
+    rates: dict[str, Fraction] = {}
+    paths: dict[str, tuple[PathKey, ...]] = {}
+
+    def add(label: str, rate: Fraction | str | None, path: tuple[PathKey, ...]) -> None:
+        if isinstance(rate, Fraction):
+            rates[f"{label} ({hertz(rate)})"] = rate
+            paths[f"{label} ({hertz(rate)})"] = path
+
+    for name, rate in document.rates.items():
+        add(f"the rate {name}", rate, ("rates", name))
+    for section in ("components", "channels"):
+        for name, form in getattr(document, section).items():
+            add(f"the rate of {name}", form.rate, (section, name, "rate"))
+    for position, form in enumerate(document.connections):
+        index = context.index("connections", position)
+        add(f"the rate of connection {index}", form.rate, ("connections", index, "rate"))
+    for position, entry in enumerate(document.record or ()):
+        if not isinstance(entry, str):
+            index = context.index("record", position)
+            add(f"the rate of record {index}", entry.rate, ("record", index, "rate"))
+    return rates, paths
+
+
+def _check_names(context: Context) -> None:
+    names = context.names("components")
+    if not names:
+        context.problems.add(("components",), "a scenario needs at least one component.")
+    for name in context.names("channels"):
+        if name in names:
+            context.problems.add(
+                ("channels", name), f"'{name}' is a component already.", at_key=True
+            )
+
+
+def _components(context: Context) -> dict[str, Component]:
+    built = {
+        name: build_component(context, name, form)
+        for name, form in context.document.components.items()
+    }
+    return {
+        name: component
+        for name, component in built.items()
+        if component is not None and ("components", name) not in context.doubtful
+    }
+
+
+def _channels(context: Context, components: dict[str, Component]) -> dict[str, Channel]:
+    known = {part.station for part in components.values()}
+    complete = len(known) > 0 and len(components) == len(context.names("components"))
+    channels: dict[str, Channel] = {}
+    for name, form in context.document.channels.items():
+        path = ("channels", name)
+        first, second = form.between
+        unknown = [end for end, station in enumerate(form.between) if station not in known]
+        if first == second:
+            context.problems.add((*path, "between"), f"both ends are the station {first}.")
+        for end in unknown if complete else ():
+            hint = did_you_mean(form.between[end], known)
+            message = f"no component is in the station '{form.between[end]}'.{hint}"
+            context.problems.add((*path, "between", end), message)
+        rate = context.rate(form.rate, path)
+        if rate is None or rate in context.refused or first == second or (unknown and complete):
+            continue
+        period = context.timebase.period(rate)
+        try:
+            forward, backward = directions(
+                form, context.timebase, period, lambda key, path=path: context.folder((*path, key))
+            )
+        except ChannelProblem as error:
+            context.problems.add((*path, error.key), f"{'.'.join((*path, error.key))}: {error}")
+            continue
+        channels[name] = Channel(
+            name=name,
+            between=(first, second),
+            rate_name=context.rate_name(form.rate),
+            rate=rate,
+            period=period,
+            forward=forward,
+            backward=backward,
+            options=form.link,
+        )
+    return channels
+
+
+def _connections(
+    context: Context, components: dict[str, Component], channels: dict[str, Channel]
+) -> tuple[Connection, ...]:
+    built: list[Connection] = []
+    places: dict[str, int] = {}
+    for position, form in enumerate(context.document.connections):
+        index = context.index("connections", position)
+        if str(form.target) in places:
+            first = context.root.locate(("connections", places[str(form.target)]))
+            message = f"a second connection into {form.target}; the first is at {first}."
+            context.problems.add(("connections", index, "to"), message)
+        places.setdefault(str(form.target), index)
+        connection = build_connection(context, index, form, components, channels)
+        if connection is not None:
+            built.append(connection)
+    return tuple(built)
+
+
+def _record(context: Context) -> tuple[Record, ...]:
+    if context.document.record is None:
+        return (Record(pattern="*"),)
+    records: list[Record] = []
+    for position, entry in enumerate(context.document.record):
+        index = context.index("record", position)
+        pattern = entry if isinstance(entry, str) else entry.signals
+        rate = None
+        if not isinstance(entry, str) and entry.rate is not None:
+            rate = context.rate(entry.rate, ("record", index))
+        check_signal(context, ("record", index), pattern.partition(".")[0])
+        fits = rate is not None and rate not in context.refused
+        period = context.timebase.period(rate) if rate is not None and fits else None
+        records.append(Record(pattern=pattern, rate=rate, period=period))
+    return tuple(records)
+
+
+def _name_of(file: Path) -> str:
+    """A name made of the file's: what is no letter, digit or '_' becomes '_'."""
+    stem = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in file.stem)
+    return stem if stem[:1].isalpha() else f"scenario_{stem}"

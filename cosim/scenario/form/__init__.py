@@ -1,0 +1,1 @@
+"""The forms that a document is read into: every key, its type and its meaning."""

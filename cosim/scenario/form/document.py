@@ -1,0 +1,197 @@
+"""The scenario as it is written: every key, its meaning, and the JSON schema for editors.
+
+This is the form after includes, overlays and overrides; ``cosim.scenario.build`` resolves it.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
+
+from cosim.scenario.form.channel import ChannelForm, Form, mapping_tag
+from cosim.scenario.form.fields import (
+    Delay,
+    Given,
+    Hertz,
+    Name,
+    Pattern,
+    Rate,
+    Seconds,
+    Signal,
+    describe,
+    problem,
+)
+from cosim.scenario.source.merge import KINDS
+from cosim.scenario.source.notation import NotationError, parse_connection
+
+
+class DeviceForm(BaseModel):
+    """A device with settings besides its URL; which ones is the driver's affair."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    url: str = Field(description="Which driver on which port: `haply:///dev/ttyACM0`.")
+
+
+class ComponentForm(Form):
+    """One thing with inputs and outputs: exactly one of fmu, python, device, playback."""
+
+    description: str = ""
+    fmu: str | None = Field(
+        default=None, description="A bundled model's name, or the path of an FMI 2 or 3 archive."
+    )
+    python: str | None = Field(default=None, description="`module:Class`, a Component subclass.")
+    device: (
+        Annotated[
+            Annotated[str, Tag("plain")] | Annotated[DeviceForm, Tag("mapping")],
+            Discriminator(mapping_tag),
+        ]
+        | None
+    ) = Field(default=None, description="Hardware: a URL, or a mapping with `url`.")
+    playback: str | None = Field(default=None, description="The folder of an earlier run.")
+    of: Name | None = Field(
+        default=None, description="playback: which component of that run; the same name by default."
+    )
+    station: Name = Field(default="main", description="The workstation that computes it.")
+    rate: Rate | None = Field(default=None, description="Steps a second.")
+    parameters: dict[str, Given] = Field(
+        default_factory=dict, description="Parameter values by variable name; groups may nest."
+    )
+    start: dict[str, Given] = Field(
+        default_factory=dict, description="Start values of inputs and states by variable name."
+    )
+    flavour: Literal["fmi2", "fmi3", "fmi3-arrays"] | None = Field(
+        default=None, description="fmu: which archive of a bundled model; fmi3 by default."
+    )
+    substeps: Annotated[int, Field(ge=1, le=100_000)] | None = Field(
+        default=None, description="fmu: doStep calls in one period; 1 by default."
+    )
+    feedthrough: bool | None = Field(
+        default=None,
+        description="fmu: whether outputs follow inputs within a tick, as its dependencies say; "
+        "true for bundled models, false for others.",
+    )
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> ComponentForm:
+        kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(kinds) > 1:
+            raise problem(f"one kind too many: {' and '.join(kinds)}; keep one of them.")
+        if not kinds:
+            raise problem("it has no kind; give it one of 'fmu', 'python', 'device', 'playback'.")
+        owners = {"flavour": "fmu", "substeps": "fmu", "feedthrough": "fmu", "of": "playback"}
+        for key, owner in owners.items():
+            if getattr(self, key) is not None and kinds[0] != owner:
+                raise problem(f"'{key}' belongs to '{owner}', not to '{kinds[0]}'.")
+        return self
+
+
+class ConnectionForm(Form):
+    """An output to an input, in full."""
+
+    source: Signal = Field(alias="from", description="component.output")
+    target: Signal = Field(alias="to", description="component.input")
+    via: Name | None = Field(default=None, description="The channel between two stations.")
+    rate: Rate | None = Field(default=None, description="Samples a second.")
+    delay: Delay | None = Field(default=None, description="Delay inside a station.")
+    initial: Literal["source", "start"] = Field(
+        default="source",
+        description="Before the first sample: the source's first value, or the input's start.",
+    )
+
+
+def _to_connection(value: Any) -> ConnectionForm:
+    if not isinstance(value, str):
+        raise problem(f"{describe(value)} is no connection; write 'a.output -> b.input'.")
+    try:
+        return ConnectionForm.model_validate(parse_connection(value))
+    except NotationError as error:
+        raise problem(str(error)) from None
+
+
+_LINE = WithJsonSchema(
+    {
+        "type": "string",
+        "pattern": "->",
+        "description": "source.output -> target.input via CHANNEL at RATE delay TIME",
+    }
+)
+ConnectionEntry = Annotated[
+    Annotated[ConnectionForm, PlainValidator(_to_connection), _LINE, Tag("plain")]
+    | Annotated[ConnectionForm, Tag("mapping")],
+    Discriminator(mapping_tag),
+]
+
+
+class RecordForm(Form):
+    """Recorded signals at a rate of their own."""
+
+    signals: Pattern = Field(description="A pattern: `vr_a.*`, `finger_??.joint_angle`.")
+    rate: Rate | None = Field(default=None, description="Rows a second.")
+
+
+class Document(Form):
+    """A cohaptic scenario."""
+
+    cohaptic: Literal[1] = Field(description="The version of the scenario language.")
+    name: Name | None = Field(default=None, description="Names runs; the file's name by default.")
+    title: str = Field(default="", description="One line that says what this is.")
+    description: str = Field(default="", description="What it shows and where it comes from.")
+    duration: Seconds = Field(description="Simulated time.")
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
+        default=0, description="What every random draw derives from."
+    )
+    base_rate: Hertz | None = Field(
+        default=None,
+        description="Base ticks a second; the least common multiple of the rates by default.",
+    )
+    rates: dict[Name, Hertz] = Field(default_factory=dict, description="Rates by name.")
+    components: dict[Name, ComponentForm] = Field(description="What is computed, by name.")
+    channels: dict[Name, ChannelForm] = Field(
+        default_factory=dict, description="Networks between stations, by name."
+    )
+    connections: list[ConnectionEntry] = Field(
+        default_factory=list[ConnectionEntry], description="Outputs to inputs."
+    )
+    record: (
+        list[
+            Annotated[
+                Annotated[Pattern, Tag("plain")] | Annotated[RecordForm, Tag("mapping")],
+                Discriminator(mapping_tag),
+            ]
+        ]
+        | None
+    ) = Field(default=None, description="Signals to record; everything by default.")
+    expect: dict[str, dict[str, Any]] = Field(
+        default_factory=dict, description="Acceptance by signal; makes the scenario a test."
+    )
+    safety: dict[str, Any] = Field(default_factory=dict, description="Limits for devices.")
+    realtime: dict[str, Any] = Field(default_factory=dict, description="Pacing and its policies.")
+    link: dict[str, Any] = Field(default_factory=dict, description="Settings of the UDP link.")
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of a scenario file, with what editors need besides the document itself."""
+    schema = Document.model_json_schema(by_alias=True)
+    include: dict[str, Any] = {
+        "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]
+    }
+    include["description"] = "Fragments that lie under this: paths from here, or bundled names."
+    for name in ("ComponentForm", "ChannelForm"):
+        schema["$defs"][name]["properties"]["include"] = include
+        schema["$defs"][name].pop("required", None)
+    schema["properties"]["include"] = include
+    schema["patternProperties"] = {"^x-": {"description": "Anything: a place for anchors."}}
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    schema["title"] = "cohaptic scenario"
+    return schema

@@ -1,0 +1,1 @@
+"""What only tests and benchmarks need: the slow reference loop, and a bad network."""

@@ -1,0 +1,1 @@
+"""Packets that are lost or late at random: Markov jump systems."""

@@ -1,0 +1,1 @@
+"""The thesis's figures and tables as computations, and the page that compares them."""

@@ -1,0 +1,126 @@
+"""Rates and delays: the control period, the network period, and what the network adds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from cosim.base.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """The delay of the two directions of a channel, in whole network samples.
+
+    ``forward`` is from the first-named end (centralized: from the client to the server;
+    distributed: from the lower user number to the higher), ``backward`` the other way.
+    """
+
+    forward: int = 0
+    backward: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse negative delays.
+
+        Raises:
+            InputError: where a delay is negative.
+        """
+        for name, samples in (("forward", self.forward), ("backward", self.backward)):
+            if samples < 0:
+                raise InputError(
+                    f"The {name} delay is {samples} network samples: it cannot be negative."
+                )
+
+    @staticmethod
+    def round_trip(samples: int) -> Delay:
+        """A round trip of n samples: ⌈n/2⌉ forward and ⌊n/2⌋ backward."""
+        if samples < 0:
+            raise InputError(
+                f"The round-trip delay is {samples} network samples: it cannot be negative."
+            )
+        return Delay(forward=samples - samples // 2, backward=samples // 2)
+
+    @staticmethod
+    def each_way(samples: int) -> Delay:
+        """The same n samples in both directions."""
+        return Delay(forward=samples, backward=samples)
+
+    @property
+    def total(self) -> int:
+        """The round trip, in network samples (the thesis's n)."""
+        return self.forward + self.backward
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """Sampling of a cooperative loop.
+
+    Attributes:
+        control_period: T_c in s.
+        ratio: T_t / T_c, any positive rational.
+        delay: delay of the two directions of the network, in network samples.
+        computation_delay: ticks of T_c between a coupler's inputs and its force (z⁻¹ when 1).
+    """
+
+    control_period: Fraction = Fraction(1, 1024)
+    ratio: Fraction = Fraction(8)
+    delay: Delay = field(default_factory=Delay)
+    computation_delay: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a sampling.
+
+        Raises:
+            InputError: where a period or the ratio is not positive, or the delay negative.
+        """
+        if self.control_period <= 0:
+            raise InputError(f"The control period is {self.control_period} s: it must be positive.")
+        if self.ratio <= 0:
+            raise InputError(
+                f"The ratio of the network period to the control period is {self.ratio}: "
+                "it must be positive, such as 8 for 128 Hz packets under 1024 Hz control."
+            )
+        if self.computation_delay < 0:
+            raise InputError(
+                f"The computation delay is {self.computation_delay} ticks: it cannot be negative."
+            )
+
+    @property
+    def control_ticks(self) -> int:
+        """T_c in base ticks (the largest period that divides T_c and T_t)."""
+        return self.ratio.denominator
+
+    @property
+    def network_ticks(self) -> int:
+        """T_t in base ticks."""
+        return self.ratio.numerator
+
+    @property
+    def hyperperiod_ticks(self) -> int:
+        """The least common multiple of T_c and T_t, in base ticks."""
+        return self.control_ticks * self.network_ticks
+
+    @property
+    def base_period(self) -> Fraction:
+        """The base tick in s."""
+        return self.control_period / self.control_ticks
+
+    @property
+    def network_period(self) -> Fraction:
+        """T_t in s."""
+        return self.control_period * self.ratio
+
+    @property
+    def samples_per_frame(self) -> int:
+        """N = T_t / T_c, where it is a whole number.
+
+        Raises:
+            InputError: where the ratio is not a whole number.
+        """
+        if self.ratio.denominator != 1:
+            raise InputError(
+                f"The ratio {self.ratio} is not a whole number: this analysis needs the network "
+                "period to be a multiple of the control period. Stability and damping "
+                "(radius, boundary, damping) take any ratio."
+            )
+        return self.ratio.numerator

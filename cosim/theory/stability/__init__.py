@@ -1,0 +1,1 @@
+"""Spectral radius, stable intervals and maps, margins and passivity."""

@@ -1,0 +1,1 @@
+"""What a user feels: admittance, damping, stiffness, and the compensation (chapter 6)."""

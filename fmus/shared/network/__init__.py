@@ -1,0 +1,1 @@
+"""What a workstation sends and receives: packets, waves, passivity."""

@@ -1,0 +1,1 @@
+"""What the workstation models have in common."""

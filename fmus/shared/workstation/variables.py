@@ -1,0 +1,516 @@
+"""The variables that the workstation models share; the C side is ``workstation.h``."""
+
+from __future__ import annotations
+
+from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
+from fmus.table import Enumeration, Group, Item, Terminal, Variable
+
+FINGERS = 2
+PEERS = 3
+
+CONTACT_STATE = Enumeration(
+    name="ContactState",
+    description="State of a contact (thesis, figure 7.4)",
+    items=(
+        Item(name="free", value=0, description="No contact"),
+        Item(
+            name="moment_cancellation",
+            value=1,
+            description="Impulses of the largest force take the hand's momentum",
+        ),
+        Item(name="pre_slide", value=2, description="Sticking: springs along both directions"),
+        Item(name="slide", value=3, description="Sliding under kinetic friction"),
+    ),
+)
+
+VELOCITY_ESTIMATOR = Enumeration(
+    name="VelocityEstimator",
+    description="How the tip's velocity comes from sampled joint angles",
+    items=(
+        Item(
+            name="foaw",
+            value=0,
+            description="First-order adaptive windowing on the joint angles, end fit, one quantum",
+        ),
+        Item(
+            name="finite_difference",
+            value=1,
+            description="Difference of the tip position over the whole window",
+        ),
+    ),
+)
+
+PASSIVITY = Enumeration(
+    name="Passivity",
+    description="Whether the rendered force is kept passive",
+    items=(
+        Item(name="none", value=0, description="The force is rendered as it is"),
+        Item(
+            name="time_domain",
+            value=1,
+            description="Passivity observer and controller (Hannaford and Ryu, 2002)",
+        ),
+    ),
+)
+
+FORCE_CHANNEL = Enumeration(
+    name="ForceChannel",
+    description="What carries hand and force between a client and its server",
+    items=(
+        Item(name="plain", value=0, description="Position and velocity up, force down (thesis)"),
+        Item(
+            name="wave",
+            value=1,
+            description="Wave variables both ways (Niemeyer and Slotine, 1991)",
+        ),
+    ),
+)
+
+FINGER_INPUTS = ("{group}.joint_angle", "{group}.status", "{group}.sample_age")
+"""What everything of a finger depends on directly."""
+
+ALL_FINGER_INPUTS = tuple(path.replace("{group}", "finger_*") for path in FINGER_INPUTS)
+
+
+def real(
+    name: str,
+    description: str,
+    unit: str,
+    start: float | tuple[float, ...],
+    *,
+    minimum: float | None = None,
+    size: int | None = None,
+) -> Variable:
+    """A real parameter."""
+    return Variable(
+        name=name,
+        description=description,
+        causality="parameter",
+        unit=unit,
+        start=start,
+        minimum=minimum,
+        size=size,
+    )
+
+
+def integer(
+    name: str,
+    description: str,
+    start: int,
+    *,
+    minimum: int,
+    maximum: int,
+    size: int | None = None,
+) -> Variable:
+    """An integer parameter."""
+    return Variable(
+        name=name,
+        description=description,
+        causality="parameter",
+        type="integer",
+        start=start,
+        minimum=minimum,
+        maximum=maximum,
+        size=size,
+    )
+
+
+def choice(name: str, description: str, enumeration: Enumeration, start: int = 0) -> Variable:
+    """An enumeration parameter."""
+    return Variable(
+        name=name,
+        description=description,
+        causality="parameter",
+        type="enumeration",
+        enumeration=enumeration,
+        start=start,
+    )
+
+
+def switch(name: str, description: str, *, start: bool = False) -> Variable:
+    """A boolean parameter."""
+    return Variable(
+        name=name, description=description, causality="parameter", type="boolean", start=start
+    )
+
+
+def output(
+    name: str,
+    description: str,
+    unit: str | None,
+    depends_on: tuple[str, ...] = (),
+    *,
+    size: int | None = None,
+) -> Variable:
+    """A real output with a unit, an integer one without."""
+    return Variable(
+        name=name,
+        description=description,
+        causality="output",
+        type="real" if unit else "integer",
+        unit=unit,
+        size=size,
+        depends_on=depends_on,
+    )
+
+
+def signal(
+    name: str, description: str, unit: str | None, *, start: float = 0, size: int | None = None
+) -> Variable:
+    """A real input with a unit, an integer one without."""
+    return Variable(
+        name=name,
+        description=description,
+        causality="input",
+        type="real" if unit else "integer",
+        unit=unit,
+        start=float(start) if unit else int(start),
+        size=size,
+    )
+
+
+def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
+    """How a workstation samples and estimates; ``peers`` adds how many others there are."""
+    count = integer("peers", "Number of other workstations in use", 1, minimum=0, maximum=PEERS)
+    return (
+        integer("fingers", "Number of own fingers in use", 2, minimum=1, maximum=FINGERS),
+        *((count,) if peers else ()),
+        real(
+            "sample_period",
+            "Control period T_c; must be the period at which the model is stepped",
+            "s",
+            1 / 1024,
+            minimum=0.0,
+        ),
+        choice(
+            "velocity_estimator",
+            "How the tip's velocity is estimated",
+            VELOCITY_ESTIMATOR,
+        ),
+        integer(
+            "velocity_window",
+            "Longest window of the velocity estimator in samples; a finite difference uses all of "
+            "it. Samples older than this are forgotten, so that the estimate restarts after a gap",
+            16,
+            minimum=1,
+            maximum=31,
+        ),
+        *deadband_parameters(),
+        choice("passivity", "Passivity layer on the rendered force of every own finger", PASSIVITY),
+        real(
+            "passivity_damping_limit",
+            "Largest damping of the passivity controller (chosen; above b the device is unstable)",
+            "N.s/m",
+            20.0,
+            minimum=0.0,
+        ),
+        real(
+            "passivity_reserve",
+            "Most of the user's energy that is kept to be given back; a small reserve makes the "
+            "controller act sooner. 0: no limit",
+            "J",
+            0.0,
+            minimum=0.0,
+        ),
+    )
+
+
+def wave_parameters() -> tuple[Variable, ...]:
+    """How a client and its server exchange motion and force; both must agree."""
+    return (
+        choice("force_channel", "What carries hand and force; as at the other end", FORCE_CHANNEL),
+        real(
+            "wave_impedance",
+            "Impedance b of the wave channel, as at the other end: small feels light in free "
+            "motion, large feels hard in contact (chosen)",
+            "N.s/m",
+            10.0,
+            minimum=0.0,
+        ),
+    )
+
+
+def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+    """The waves of a packet, as outputs or as inputs."""
+    members: list[Variable] = []
+    for number in range(1, FINGERS + 1):
+        name, text = f"finger_{number}_wave", f"Integral of the wave of finger {number}"
+        if sent:
+            members.append(output(name, text, "N.s", depends_on, size=2))
+        else:
+            members.append(signal(name, text, "N.s", size=2))
+    return tuple(members)
+
+
+def deadband_parameters() -> tuple[Variable, ...]:
+    """What a packet need not tell because nobody would feel it."""
+    return (
+        integer(
+            "network_ticks",
+            "Control periods in a network period, for the deadband and the packet counters",
+            8,
+            minimum=1,
+            maximum=1_000_000,
+        ),
+        real(
+            "deadband",
+            "Weber fraction by which velocities and forces may change before a packet's content is "
+            "renewed (0.1 is usual; Hinterseer et al. 2008); 0: every packet has new content",
+            "1",
+            0.0,
+            minimum=0.0,
+        ),
+        real("deadband_position", "Error of a position that is not felt (chosen)", "m", 2e-4),
+        real("deadband_angle", "Error of the box's angle that is not felt (chosen)", "rad", 4e-3),
+        real("deadband_velocity", "Change of speed that is never felt (chosen)", "m/s", 5e-3),
+        real("deadband_rate", "Change of the box's turning never felt (chosen)", "rad/s", 0.1),
+        real("deadband_force", "Change of force that is never felt (chosen)", "N", 0.02),
+        integer(
+            "deadband_longest",
+            "Network periods after which content is renewed even if nothing changed; a link that "
+            "waits for fresh data must be given it in time",
+            4,
+            minimum=1,
+            maximum=1_000_000,
+        ),
+    )
+
+
+def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+    """How much the deadband saves: 1 - sent / due; ``depends_on`` adds to the fingers' inputs."""
+    return (
+        output("packets_due", "Packets so far, one each network period", None),
+        output(
+            "packets_sent",
+            "Packets so far with new content",
+            None,
+            (*ALL_FINGER_INPUTS, *depends_on),
+        ),
+    )
+
+
+def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
+    """What the link says of each of ``peers`` peers."""
+    return (
+        Variable(
+            name="peer_weight",
+            description="Scales everything that comes from peer p, between 0 and 1",
+            causality="input",
+            unit="1",
+            start=1.0,
+            minimum=0.0,
+            maximum=1.0,
+            size=peers,
+        ),
+        Variable(
+            name="peer_valid",
+            description="False takes the weight of peer p as 0",
+            causality="input",
+            type="boolean",
+            start=True,
+            size=peers,
+        ),
+        Variable(
+            name="peer_age",
+            description="Ticks since what peer p says was measured; 0 where the link does not say",
+            causality="input",
+            type="integer",
+            start=0,
+            minimum=0,
+            size=peers,
+        ),
+    )
+
+
+def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
+    """An own finger; ``force_depends_on`` adds to the finger's own inputs."""
+    rendered = (*FINGER_INPUTS, *force_depends_on)
+    return Group(
+        "finger",
+        (
+            device_choice("Preset of the finger's device"),
+            *device_parameters("GEOMETRY"),
+            *placement_parameters(),
+            real(
+                "max_force",
+                "Largest force on the finger, also of the moment-cancelling impulses (assumed)",
+                "N",
+                2.5,
+                minimum=0.0,
+            ),
+            signal("joint_angle", "Measured joint angles of the device", "rad", size=2),
+            signal(
+                "status",
+                "Sum of 1 homed, 2 active, 4 fault, 8 output enabled; forces only while homed, "
+                "active and without fault",
+                None,
+                start=11,
+            ),
+            signal("sample_age", "Ticks since the joint angles were measured", None),
+            output("motor_torque", "Torques that render the force", "N.m", rendered, size=2),
+            output("position", "Tip position in the world", "m", FINGER_INPUTS, size=2),
+            output("velocity", "Estimated tip velocity in the world", "m/s", FINGER_INPUTS, size=2),
+            output("force", "Rendered force on the finger, world", "N", rendered, size=2),
+            output(
+                "observed_energy",
+                "Energy that the user has put into what is rendered: minus the sum of T F v",
+                "J",
+                rendered,
+            ),
+            *extra,
+        ),
+        count=FINGERS,
+    )
+
+
+def planar(
+    name: str,
+    description: str,
+    units: tuple[str, str],
+    depends_on: tuple[str, ...] = (),
+) -> Group:
+    """A pose, velocity or wrench of the plane as an output group {x, y, theta}."""
+    return Group(
+        name,
+        (
+            output("x", f"{description}, x", units[0], depends_on),
+            output("y", f"{description}, y", units[0], depends_on),
+            output("theta", f"{description}, about z", units[1], depends_on),
+        ),
+    )
+
+
+POSE = ("m", "rad")
+VELOCITY = ("m/s", "rad/s")
+WRENCH = ("N", "N.m")
+
+_BOX = (
+    ("box_x", "Box position x", "m"),
+    ("box_y", "Box position y", "m"),
+    ("box_theta", "Box angle", "rad"),
+    ("box_vx", "Box velocity x", "m/s"),
+    ("box_vy", "Box velocity y", "m/s"),
+    ("box_omega", "Box angular velocity", "rad/s"),
+)
+_STATUS = (
+    "Sum of 1 homed, 2 active, 4 fault, 8 output enabled, 16 in contact, 32 finger 1 and 64 finger "
+    "2 can be touched"
+)
+
+
+def packet_outputs(
+    *, motion: bool, box: bool, force: tuple[str, ...] | None = None
+) -> tuple[Variable, ...]:
+    """The members of a packet that a workstation sends.
+
+    ``motion``, ``box`` and ``force`` choose what it carries; ``force`` names what the forces depend
+    on. Every member depends on all that is compared, because the deadband renews all at once.
+    """
+    content = ALL_FINGER_INPUTS if force is None else force
+    members: list[Variable] = []
+    for number in range(1, FINGERS + 1):
+        if motion:
+            members += [
+                output(
+                    f"finger_{number}_{quantity}",
+                    f"{quantity.capitalize()} of finger {number}",
+                    unit,
+                    content,
+                    size=2,
+                )
+                for quantity, unit in (("position", "m"), ("velocity", "m/s"))
+            ]
+        if force is not None:
+            members.append(
+                output(f"finger_{number}_force", f"Force on finger {number}", "N", content, size=2)
+            )
+    if box:
+        members += [output(*entry, content) for entry in _BOX]
+    ages = tuple(dict.fromkeys((*content, "finger_*.sample_age")))
+    members += [
+        output("source_tick", "Tick of the sender", None),
+        output("source_age", "Age of the content in ticks", None, ages),
+        output("status", _STATUS, None, ALL_FINGER_INPUTS),
+    ]
+    return tuple(members)
+
+
+def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ...]:
+    """The members of a packet that a workstation receives."""
+    members: list[Variable] = []
+    for number in range(1, FINGERS + 1):
+        if motion:
+            members += [
+                signal(f"finger_{number}_position", f"Position of finger {number}", "m", size=2),
+                signal(f"finger_{number}_velocity", f"Velocity of finger {number}", "m/s", size=2),
+            ]
+        if force:
+            members.append(
+                signal(f"finger_{number}_force", f"Force on finger {number}", "N", size=2)
+            )
+    if box:
+        members += [signal(*entry) for entry in _BOX]
+    members += [
+        signal(
+            "source_tick",
+            "Tick of the sender; -1 until it is heard, and it does not count",
+            None,
+            start=-1,
+        ),
+        signal("source_age", "Age of the content in ticks when it was sent", None),
+        signal("status", _STATUS, None),
+    ]
+    return tuple(members)
+
+
+def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variable, ...]:
+    """The contacts of another workstation's fingers with the box that is simulated here."""
+    members: list[Variable] = []
+    for number in range(1, FINGERS + 1):
+        members += [
+            output(
+                f"finger_{number}_normal_force",
+                f"Normal force of the {who}'s finger {number} on this box",
+                "N",
+                depends_on,
+            ),
+            Variable(
+                name=f"finger_{number}_contact_state",
+                description=f"State of the {who}'s finger {number} on this box",
+                causality="output",
+                type="enumeration",
+                enumeration=CONTACT_STATE,
+                depends_on=depends_on,
+            ),
+            output(
+                f"finger_{number}_contact_losses",
+                f"How often the contact of the {who}'s finger {number} has ended",
+                None,
+                depends_on,
+            ),
+        ]
+    return tuple(members)
+
+
+def packet_terminal(name: str, description: str, members: tuple[Variable, ...]) -> Terminal:
+    """A terminal whose members are the variables of the group with the same name."""
+    return Terminal(
+        name=name,
+        description=description,
+        members={member.name: f"{name}.{member.name}" for member in members},
+    )
+
+
+def finger_terminals() -> tuple[Terminal, ...]:
+    """Each finger's side of the connection to its device."""
+    return tuple(
+        Terminal(
+            name=f"finger_{number}",
+            description=f"What finger {number} exchanges with its device",
+            members={
+                member: f"finger_{number}.{member}"
+                for member in ("joint_angle", "sample_age", "status", "motor_torque")
+            },
+        )
+        for number in range(1, FINGERS + 1)
+    )

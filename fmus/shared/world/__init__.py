@@ -1,0 +1,1 @@
+"""Box, contact, walls, ground and soft object."""

@@ -1,0 +1,212 @@
+"""A device as a component: it takes the pantograph FMU's place, variable by variable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from fractions import Fraction
+from math import nan
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import Cells, Component, Role, Setup, Variable
+from cosim.base.errors import InputError
+from hil.device.contract import Flag, Measurement, State
+from hil.device.device import Device
+from hil.device.pantograph import terminals, variables
+from hil.emulation.side_channel import Control
+from hil.realtime import session as sessions
+from hil.safety.limits import SPEED_WINDOW_TICKS
+from hil.setup.address import parse
+from hil.setup.device_file import DeviceFile, default, load
+
+REST_TICKS = 2 * SPEED_WINDOW_TICKS
+"""Ticks at zero torque before activation, in which the handle has to rest."""
+_FILE_OPTIONS = ("file", "preset")
+
+
+class DeviceComponent(Component):
+    """Read at the beginning of a tick, write once the torque is known.
+
+    Variables of role ``simulation_only`` are all there: such an input is accepted and ignored, such
+    an output is NaN (a whole number: 0).
+    """
+
+    feedthrough = True
+
+    def __init__(self, kind: type[Device], url: str, options: Mapping[str, Any]) -> None:
+        self.kind = kind
+        self.address = parse(
+            url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS}
+        )
+        self.file = device_file(kind, options)
+        self.device: Device | None = None
+        self.flags = Flag.NONE
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether the device is an emulator that advances exactly as far as it is asked to."""
+        return self.address.options.get("lockstep") == "1"
+
+    @property
+    def variables(self) -> Sequence[Variable]:
+        """Exactly the pantograph FMU's."""
+        return variables()
+
+    @property
+    def terminals(self) -> Mapping[str, Mapping[str, str]]:
+        """Exactly the pantograph FMU's."""
+        return terminals()
+
+    @property
+    def dependencies(self) -> Mapping[str, Sequence[str]]:
+        """A device's outputs are measured; what was sent is known after ``write`` only."""
+        return {}
+
+    def initialise(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Configure, home, and see the handle rest; the first tick activates the device.
+
+        Raises:
+            DeviceError: the device does not answer.
+            InputError: its address or file cannot be used.
+        """
+        self._command = inputs["motor_torque"]
+        self._ignored = [
+            inputs[v.name]
+            for v in variables()
+            if v.causality == "input" and v.role is Role.SIMULATION_ONLY
+        ]
+        self._angle, self._count = outputs["joint_angle"], outputs["encoder_count"]
+        self._age, self._status = outputs["sample_age"], outputs["status"]
+        self._applied = outputs["applied_torque"]
+        for variable in variables():
+            if variable.causality == "output" and variable.role is Role.SIMULATION_ONLY:
+                outputs[variable.name][...] = nan if variable.type.is_float else 0
+        session = sessions.current()
+        control = Fraction(*setup.tick) * setup.period
+        device = session.ready.get(setup.name) or self.open(
+            control, session, _changed(setup.parameters)
+        )
+        self.device = device
+        if device not in session.devices:
+            session.devices.append(device)
+        if session.clock is None and not (device.in_process or device.lockstep):
+            raise InputError(
+                f"{setup.name} is a real device ({device.name}): run it with --realtime"
+            )
+        observe_rest(device)
+        self._started = False
+        self._show(device.read(-1))
+        self._applied[...] = 0.0
+
+    def open(
+        self, control: Fraction, session: sessions.Session, parameters: Mapping[str, Any]
+    ) -> Device:
+        """Configure and home the device: all that needs a person, a thread or the time to wait."""
+        device = self.kind(
+            self.address,
+            self.file,
+            tick=control,
+            pulse=session.pulse,
+            # In lock-step time is counted in exchanges.
+            clock=None if self.lockstep else session.clock,
+        )
+        device.parameters = dict(parameters)
+        device.number = session.number
+        device.configure()
+        try:
+            device.permission = session.permission(device)
+            for warning in device.warnings():
+                session.tell(warning)
+            session.hold_home_pose(device)
+            device.home()
+        except BaseException:
+            device.close()
+            raise
+        return device
+
+    def read(self, tick: int) -> None:
+        """Take the measurement; at the first tick the device becomes active.
+
+        Not earlier: an active device has to be commanded every tick, and another one may still be
+        waiting to come to rest.
+        """
+        device = self._opened()
+        if not self._started:
+            device.activate()
+            begin_emulated_motion(device)
+            self._started = True
+        self._show(device.read(tick))
+
+    def _show(self, measured: Measurement) -> None:
+        self._angle[0], self._angle[1] = measured.joint_angle
+        self._count[0], self._count[1] = measured.count
+        self._age[0] = measured.sample_age
+        self._status[0] = int(measured.status)
+
+    def write(self, tick: int) -> None:
+        """Send the command; a fault ends the run as soon as its outcome is known.
+
+        Raises:
+            DeviceFault: the device is in FAULT.
+        """
+        device = self._opened()
+        sent = device.write(tick, (float(self._command[0]), float(self._command[1])))
+        self._applied[0], self._applied[1] = sent.torque
+        self._status[0] = int(device.status)
+        self.flags = sent.flags
+        if any(cells.any() for cells in self._ignored):
+            self.flags |= Flag.IGNORED_INPUT
+        device.raise_fault()
+
+    def close(self) -> None:
+        """Zero the device and let go of it."""
+        if self.device is not None:
+            self.device.close()
+
+    def _opened(self) -> Device:
+        assert self.device is not None, "initialise comes first"
+        return self.device
+
+
+def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
+    """The device file that a scenario's options name, or the maker's defaults.
+
+    Raises:
+        InputError: it cannot be used, or belongs to another driver.
+    """
+    path = options.get("file")
+    if path is None:
+        preset = options.get("preset")
+        return default(kind.driver, None if preset is None else str(preset))
+    file = load(Path(str(path)).expanduser())
+    if file.driver != kind.driver:
+        raise InputError(f"{path} is a device file for '{file.driver}', not for '{kind.driver}'")
+    return file
+
+
+def observe_rest(device: Device) -> None:
+    """Exchange zeros for long enough to know whether the handle rests."""
+    for tick in range(-REST_TICKS, 0):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+        if device.state is State.FAULT and device.settled:
+            break
+        device.pause()
+    device.raise_fault()
+
+
+def _changed(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters that a scenario set to something else than the model's default."""
+    default = {variable.name: variable.start for variable in variables()}
+    return {name: value for name, value in parameters.items() if value != default.get(name)}
+
+
+def begin_emulated_motion(device: Device) -> None:
+    """Tell an emulator that the run begins, so that its operator's time is the scenario's."""
+    path = device.address.options.get("emulator")
+    if path is not None:
+        with closing(Control(path)) as control:
+            control.ask("start")

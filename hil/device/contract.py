@@ -1,0 +1,155 @@
+"""The values that a device, its driver and the rest of cohaptic exchange every tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntFlag, StrEnum
+
+from hil.safety.linkage import Pair
+
+ZERO: Pair = (0.0, 0.0)
+
+
+class State(StrEnum):
+    """Where a device is in its life; FAULT is left by ``reset`` alone."""
+
+    UNCONFIGURED = "unconfigured"
+    INACTIVE = "inactive"
+    ACTIVE = "active"
+    FAULT = "fault"
+
+
+class Status(IntFlag):
+    """The bits of the pantograph's ``status`` output."""
+
+    HOMED = 1
+    ACTIVE = 2
+    FAULT = 4
+    OUTPUT_ENABLED = 8
+
+
+class Flag(IntFlag):
+    """What the safety layer did to a command, and what else is worth recording of a tick."""
+
+    NONE = 0
+    NOT_A_NUMBER = 1
+    AGED = 2
+    TORQUE_LIMIT = 4
+    HEAT_LIMIT = 8
+    SLEW_LIMIT = 16
+    SPEED_LIMIT = 32
+    OUTSIDE_WORKSPACE = 64
+    RAMPING = 128
+    DRY = 256
+    NOT_SENT = 512
+    IGNORED_INPUT = 1024
+
+
+class Cause(StrEnum):
+    """Why a device went into FAULT."""
+
+    COMMAND = "command"
+    MEASUREMENT = "measurement"
+    STALE = "stale"
+    JUMP = "jump"
+    SPEED = "speed"
+    LATE = "late"
+    PORT = "port"
+    PROTOCOL = "protocol"
+    BOARD = "board"
+    FIRST_COMMAND = "first command"
+    SUPERVISOR = "supervisor"
+    STOPPED = "stopped"
+    DEAD_MAN = "dead man"
+
+    @property
+    def unhomes(self) -> bool:
+        """Whether the joint angles can no longer be trusted afterwards."""
+        return self in {Cause.MEASUREMENT, Cause.JUMP, Cause.PORT, Cause.PROTOCOL, Cause.STALE}
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether the device moved in a way that its commands do not explain."""
+        return self in {Cause.JUMP, Cause.SPEED}
+
+
+class Outcome(StrEnum):
+    """What is known of the motors after a fault."""
+
+    PENDING = "pending"
+    ZERO_CONFIRMED = "zero confirmed"
+    WATCHDOG = "board watchdog"
+    UNKNOWN = "output unknown"
+
+
+CUT_POWER = "cut the power: the device may still be pushing"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """What a driver received: shaft angles (rad) at the device's own zero, and raw counts."""
+
+    shaft_angle: Pair
+    count: tuple[int, int]
+    sequence: int
+    device_time: float | None = None
+    """The device's own clock (s), where it has one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """What ``Device.read`` returns: calibrated joint angles (rad) and how old they are (ticks)."""
+
+    joint_angle: Pair
+    count: tuple[int, int]
+    sequence: int
+    sample_age: int
+    status: Status
+    device_time: float | None
+    host_time: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sent:
+    """What ``Device.write`` returns.
+
+    ``torque`` (N.m) is computed back from the code that was sent: commanded, not measured.
+    ``limited`` is what the safety layer allowed; with dry output it differs from ``torque``.
+    """
+
+    torque: Pair
+    limited: Pair
+    flags: Flag
+
+
+@dataclass(frozen=True, slots=True)
+class Watchdog:
+    """Whether a board drops its torque by itself when the host falls silent.
+
+    ``timeout`` (s) is ``None`` where there is no watchdog; ``verified`` says that it was configured
+    and read back, or proved, on this very device.
+    """
+
+    timeout: float | None = None
+    verified: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WatchdogProof:
+    """When a board's watchdog was seen to fire, with what ``timeout`` and how fast (s)."""
+
+    date: str
+    timeout: float
+    fired_after: float
+    serial: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BusUse:
+    """Data bytes of each frame that a device has on its CAN bus in one tick.
+
+    ``shared`` frames are sent once for all devices of the bus (SYNC).
+    """
+
+    frames: tuple[int, ...]
+    shared: tuple[int, ...] = ()

@@ -1,0 +1,1 @@
+"""Home-made boards behind our framed protocol; driver, protocol, emulator."""

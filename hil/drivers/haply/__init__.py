@@ -1,0 +1,1 @@
+"""Haply 2DIY boards; driver, protocol, emulator."""

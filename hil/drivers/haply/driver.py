@@ -1,0 +1,185 @@
+"""``haply:///dev/ttyACM0``: Haply 2DIY boards and their relatives that speak hAPI over USB.
+
+The board answers a torque with its angles, so what is read at a tick was sampled when the previous
+torque arrived: one tick of latency. It has no watchdog and its protocol no checksum. So a frame is
+never sent while an answer is outstanding, any odd byte is a fault, and a fault needs a new homing.
+"""
+
+from __future__ import annotations
+
+from math import degrees, radians
+from typing import ClassVar
+
+from cosim.base.errors import InputError
+from hil.device.contract import ZERO, Sample
+from hil.device.device import Device
+from hil.device.errors import ProtocolError
+from hil.drivers.haply.protocol import IO_BYTES, REPLY_BYTES, Axis, angles, reset, setup, torques
+from hil.safety.conversion import TorqueDrive
+from hil.safety.linkage import Pair
+from hil.setup.address import numbers
+from hil.setup.settings import pair_setting, setting
+from hil.wire.serial_port import SerialPort
+
+DEVICE = 5
+"""The board's address that the maker's examples use."""
+OUTSTANDING_TICKS = 3
+"""Ticks without an answer after which the board is taken to be out of step."""
+ANSWER_SECONDS = 0.020
+
+
+class HaplyDevice(Device):
+    """Two axes; the device file's ``settings`` may give ``ports``, ``rotation``, ``device``."""
+
+    driver = "haply"
+    latency_ticks: ClassVar[int] = 1
+
+    _port: SerialPort | None = None
+
+    def _open(self) -> None:
+        ports = numbers(self.address, "ports", 2, pair_setting(self.file, "ports", (2, 1)))
+        rotation = pair_setting(self.file, "rotation", (1, 1))
+        self._number = int(setting(self.file, "device", DEVICE))
+        if len(set(ports)) != 2 or not all(1 <= port <= 4 for port in ports):
+            raise InputError(f"the Haply ports {ports} have to be two different ones of 1 to 4")
+        if not set(rotation) <= {0, 1} or not 0 <= self._number <= 255:
+            raise InputError("a Haply's 'rotation' is 0 or 1, and its 'device' 0 to 255")
+        self._axes = [
+            Axis(port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn)
+            for i, joint in enumerate(self.file.joints)
+        ]
+        self._port = SerialPort(self.address, self.pulse, self.number)
+        self._set_up(ZERO)
+        self._exchange_zero()
+
+    def _preset(self, home: Pair) -> None:
+        """Preset the counts: the shaft stands at the home pose now."""
+        shaft = [
+            joint.direction * (angle - joint.offset)
+            for joint, angle in zip(self.file.joints, home, strict=True)
+        ]
+        self._set_up((shaft[0], shaft[1]))
+
+    def _set_up(self, shaft: Pair) -> None:
+        axes = [
+            Axis(
+                port=axis.port,
+                rotation=axis.rotation,
+                offset=degrees(angle),
+                counts_per_turn=axis.counts_per_turn,
+            )
+            for axis, angle in zip(self._axes, shaft, strict=True)
+        ]
+        port = self._opened()
+        port.read()
+        port.write(reset(self._number) + setup(self._number, axes))
+        port.read()
+        self._outstanding, self._zero_asked, self._sequence = 0, False, 0
+        self._reply = b""
+        self._recovering: int | None = None
+
+    def _exchange_zero(self) -> None:
+        """The first answer, waited for."""
+        self._send_zero()
+        reply = self._opened().wait(REPLY_BYTES, ANSWER_SECONDS)
+        if not reply:
+            raise ProtocolError(f"no Haply answers at {self.address.place}")
+        angles(self._number, self._axes, reply)
+        self._outstanding = 0
+        self.zeros_confirmed += 1
+
+    def _receive(self) -> Sample | None:
+        port = self._opened()
+        port.exchange_done()
+        self._reply += port.read(REPLY_BYTES * 4)
+        if self._recovering is not None:
+            return self._align()
+        if self._outstanding and len(self._reply) < REPLY_BYTES:
+            self._outstanding += 1
+            if self._outstanding > OUTSTANDING_TICKS:
+                raise self._out_of_step(f"no whole answer for {OUTSTANDING_TICKS} ticks")
+            return None
+        if not self._reply:
+            return None
+        if not self._outstanding or len(self._reply) > REPLY_BYTES:
+            raise self._odd_answer("bytes came that nobody asked for")
+        try:
+            found = angles(self._number, self._axes, self._reply)
+        except ProtocolError as error:
+            raise self._odd_answer(str(error)) from None
+        self._reply = b""
+        self._outstanding = 0
+        self.zeros_confirmed += self._zero_asked
+        self._sequence += 1
+        first, second = (
+            round(angle / 360.0 * axis.counts_per_turn)
+            for angle, axis in zip(found, self._axes, strict=True)
+        )
+        return Sample(
+            shaft_angle=(radians(found[0]), radians(found[1])),
+            count=(first, second),
+            sequence=self._sequence,
+        )
+
+    def _out_of_step(self, what: str) -> ProtocolError:
+        self._recovering, self._reply = 0, b""
+        return ProtocolError(f"{what}: host and board are out of step")
+
+    def _odd_answer(self, what: str) -> ProtocolError:
+        """A board that answers has just finished a frame, so it can be set up and zeroed at once.
+
+        Should it wait for the rest of a frame all the same, its silence is noticed like any other.
+        """
+        fault = self._out_of_step(what)
+        self._set_up(ZERO)
+        return fault
+
+    def _align(self) -> None:
+        """An answer while aligning means that the board has just finished a frame."""
+        if len(self._reply) >= REPLY_BYTES or self._recovering == IO_BYTES:
+            self._set_up(ZERO)
+
+    def _send(self, tick: int, torque: Pair) -> Pair | None:
+        if self._outstanding or self._recovering is not None:
+            return None
+        drives = [_drive(joint.drive) for joint in self.file.joints]
+        codes = (drives[0].encode(torque[0]), drives[1].encode(torque[1]))
+        self._zero_asked = codes == ZERO
+        self._opened().write(torques(self._number, self._axes, codes))
+        self._outstanding = 1
+        return drives[0].decode(codes[0]), drives[1].decode(codes[1])
+
+    def _send_zero(self) -> None:
+        """Zero; after an odd answer one byte a tick first, until both sides are aligned again.
+
+        Zero bytes complete a torque frame that the board may be waiting for with torques of
+        (almost) zero, because the exponent of a little-endian float comes last; the answer to it
+        tells that both sides are aligned. Where no frame was open, they are harmless resets.
+        """
+        if self._recovering is None:
+            self._send(0, ZERO)
+        else:
+            self._opened().write(b"\0")
+            self._recovering += 1
+
+    def _take_over(self) -> None:
+        self._outstanding, self._recovering, self._reply = 0, None, b""
+        self._opened().take_over()
+
+    def _recover(self) -> None:
+        self._recovering, self._reply = 0, b""
+
+    def _close(self) -> None:
+        if self._port is not None:
+            self._port.close()
+            self._port = None
+
+    def _opened(self) -> SerialPort:
+        assert self._port is not None, "configure comes first"
+        return self._port
+
+
+def _drive(drive: object) -> TorqueDrive:
+    if not isinstance(drive, TorqueDrive):
+        raise InputError("a Haply takes torque: its 'drive' has a gear and a direction only")
+    return drive

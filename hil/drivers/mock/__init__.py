@@ -1,0 +1,1 @@
+"""The simulated pantograph in this very process."""

@@ -1,0 +1,1 @@
+"""Two moteus controllers through their maker's package."""

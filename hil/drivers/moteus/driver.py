@@ -1,0 +1,205 @@
+"""``moteus:///dev/fdcanusb?ids=1,2``, ``moteus+socketcan://can0``: two moteus controllers.
+
+Untested on hardware. The maker's package ``moteus`` does the encoding and the bus; it lives in an
+event loop of its own that runs only inside a call, so no thread is added. Position mode without
+gains and with a feedforward torque is torque mode. Every torque command carries the servo's
+watchdog timeout, and queries do not feed it; after it the servo has to be *stopped*
+(``servo.timeout_mode 0``), which is read back and proved at every opening. Source: mjbots'
+reference for moteus and its Python library.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine
+from math import isfinite, nan
+from typing import Any, ClassVar
+
+from cosim.base.errors import InputError
+from hil.device.contract import ZERO, Sample, State, Watchdog
+from hil.device.device import Device
+from hil.device.errors import BoardError, DeviceError, DeviceGone, ProtocolError
+from hil.drivers.samples import sample_of_turns
+from hil.safety.conversion import TorqueDrive
+from hil.safety.linkage import Pair
+from hil.setup.address import number, numbers
+from hil.wire.vendor import fires, timeout_of, vendor
+
+INSTALL = "run 'pip install moteus>=1.1' to install it"
+STOPPED, FAULT, POSITION, TIMEOUT = 0, 1, 10, 11
+"""Values of the mode register."""
+ANSWER_SECONDS = 0.002
+"""How long the bus may take (``?budget=``, s); after that a sample counts as missing."""
+SET_UP_SECONDS = 2.0
+TRIES = 50
+
+
+class MoteusDevice(Device):
+    """Two axes in turns and N.m; ``?ids=1,2`` are the controllers of joint 1 and 2."""
+
+    driver = "moteus"
+    shares_port: ClassVar[bool] = False
+
+    _transport: Any = None
+    _loop: asyncio.AbstractEventLoop | None = None
+    _proved: bool = False
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """In every torque command; verified once the servos were seen to stop by themselves."""
+        return Watchdog(timeout=self._timeout if self._proved else None, verified=self._proved)
+
+    def _open(self) -> None:
+        self._moteus = vendor("moteus", driver=self.driver, install=INSTALL)
+        self._timeout = timeout_of(self.file)
+        self._ids = numbers(self.address, "ids", 2, (1, 2))
+        self._budget = number(self.address, "budget", ANSWER_SECONDS)
+        self._sequence, self._proved = 0, False
+        self._modes: dict[int, int] = {}
+        if not self.address.place:
+            raise InputError(
+                f"'{self.address.url}' names no bus: write moteus:///dev/fdcanusb or "
+                "moteus+socketcan://can0"
+            )
+        self._loop = asyncio.new_event_loop()
+        try:
+            self._transport = self._loop.run_until_complete(self._bus())
+        except Exception as error:  # whatever the package raises, the sentence is the same
+            raise DeviceGone(f"no bus at {self.address.url}: {error}") from error
+        self._axes = [
+            self._moteus.Controller(id=each, transport=self._transport) for each in self._ids
+        ]
+        for _ in range(TRIES):
+            self._send_zero()
+            if self._receive() is not None and set(self._modes.values()) == {STOPPED}:
+                break
+            self.pause()
+        else:
+            raise DeviceError(f"{self.name}: controllers {self._ids} do not answer, or do not stop")
+        self._prove_watchdog()
+
+    async def _bus(self) -> Any:
+        """Opened inside the event loop: the package's adapters look for a running one."""
+        place, transport = self.address.place, self.address.transport
+        if transport is None:
+            # No second sending: a torque that comes late is worse than none.
+            patience = dict.fromkeys(("command_timeout", "response_timeout"), self._budget)
+            return self._moteus.Fdcanusb(place, max_retries=0, **patience)
+        return self._moteus.PythonCan(interface=transport, channel=place, fd=True)
+
+    def _prove_watchdog(self) -> None:
+        """At zero torque: are the servos set to stop on a timeout, and do they time out?"""
+        for axis in self._axes:
+            stream = self._moteus.Stream(axis)
+            answer = self._run(
+                stream.command(b"conf get servo.timeout_mode", allow_any_response=True),
+                SET_UP_SECONDS,
+            )
+            if answer is None or answer.strip() != b"0":
+                return
+        self._send(0, ZERO)
+
+        def expired() -> bool:
+            self._receive()
+            return set(self._modes.values()) == {TIMEOUT}
+
+        self._proved = fires(expired, self.pause, self._timeout / self.tick)
+        self._send_zero()
+
+    def _receive(self) -> Sample | None:
+        results = self._run(
+            self._transport.cycle([axis.make_query() for axis in self._axes]), self._budget
+        )
+        found = {result.id: result.values for result in results or ()}
+        if not all(each in found for each in self._ids):
+            return None
+        register = self._moteus.Register
+        turns: list[float] = []
+        for each in self._ids:
+            values = found[each]
+            turns.append(float(values[register.POSITION]))
+            self._modes[each] = int(values[register.MODE])
+            if self.state is State.ACTIVE and self._modes[each] != POSITION:
+                raise BoardError(
+                    f"moteus {each} left position mode: it is in mode {self._modes[each]}, "
+                    f"fault {int(values.get(register.FAULT, 0))}"
+                )
+        if not all(isfinite(turn) for turn in turns):
+            raise ProtocolError("a moteus reports a position that is no number")
+        if set(self._modes.values()) == {STOPPED}:
+            self.zeros_confirmed += 1
+        self._sequence += 1
+        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
+
+    def _send(self, tick: int, torque: Pair) -> Pair:
+        commands: list[Any] = []
+        sent: list[float] = []
+        for axis, joint, value in zip(self._axes, self.file.joints, torque, strict=True):
+            if not isinstance(joint.drive, TorqueDrive):
+                raise InputError("a moteus takes torque: its 'drive' has a gear and a direction")
+            code = joint.drive.encode(value)
+            commands.append(
+                axis.make_position(
+                    position=nan,
+                    velocity=0.0,
+                    kp_scale=0.0,
+                    kd_scale=0.0,
+                    ilimit_scale=0.0,
+                    feedforward_torque=code,
+                    maximum_torque=self.file.limits.torque / joint.drive.gear,
+                    watchdog_timeout=self._timeout,
+                )
+            )
+            sent.append(joint.drive.decode(code))
+        self._put(commands)
+        return sent[0], sent[1]
+
+    def _send_zero(self) -> None:
+        """Stopped is without torque, and the only way out of a timeout."""
+        self._put([axis.make_stop() for axis in self._axes])
+
+    def _put(self, commands: list[Any]) -> None:
+        if self._run(self._transport.cycle(commands), self._budget) is None:
+            raise DeviceGone("the bus does not take a command")
+
+    def _enter(self) -> None:
+        for _ in range(TRIES):
+            self._send(0, ZERO)
+            self._receive()
+            if set(self._modes.values()) == {POSITION}:
+                return
+            self.pause()
+        raise DeviceError(f"{self.name}: a controller does not enter position mode")
+
+    def _leave(self) -> None:
+        self._send_zero()
+
+    def _run(self, call: Coroutine[Any, Any, Any], seconds: float) -> Any:
+        """What the package answers; ``None`` where nothing came in time."""
+        assert self._loop is not None, "configure comes first"
+        try:
+            return self._loop.run_until_complete(asyncio.wait_for(call, seconds))
+        except TimeoutError:
+            return None
+        except Exception as error:  # the package has errors of its own and those of two buses
+            raise DeviceGone(f"the bus is gone: {type(error).__name__}: {error}") from error
+
+    def _close(self) -> None:
+        transport, self._transport = self._transport, None
+        loop, self._loop = self._loop, None
+        if loop is None:
+            return
+        try:
+            if transport is not None:
+                loop.run_until_complete(_end(transport))
+        finally:
+            loop.close()
+
+
+async def _end(transport: Any) -> None:
+    """Close a bus, and wait for what the package still has running."""
+    transport.close()
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)

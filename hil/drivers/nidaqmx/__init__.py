@@ -1,0 +1,1 @@
+"""A National Instruments card through its maker's package."""

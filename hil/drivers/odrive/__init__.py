@@ -1,0 +1,1 @@
+"""Two ODrive axes on CAN; driver, protocol, emulator."""

@@ -1,0 +1,201 @@
+"""``odrive+socketcan://can0?nodes=0,1``: two ODrive axes on CAN, one node a joint.
+
+Encoder estimates come cyclically, so what is read at a tick may be a tick old. Any frame to an axis
+feeds its watchdog: nothing is polled, and after a fault nothing is sent once the axes are idle.
+Axis heartbeats have to come at least every 10 ms (``heartbeat_msg_rate_ms``), estimates every 1 ms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Any, ClassVar
+
+from cosim.base.errors import InputError
+from hil.device.contract import ZERO, BusUse, Sample, State, Watchdog
+from hil.device.device import Device
+from hil.device.errors import BoardError, DeviceError
+from hil.drivers.odrive import protocol as wire
+from hil.drivers.odrive.protocol import Command, identifier
+from hil.drivers.samples import sample_of_turns
+from hil.safety.conversion import TorqueDrive
+from hil.safety.linkage import Pair
+from hil.setup.address import Address, numbers
+from hil.setup.device_file import DeviceFile
+from hil.setup.settings import setting
+from hil.wire.can_bus import CanBus, open_bus
+
+FRAMES = (8, 4, 8, 4)
+"""Data bytes on the bus in a tick: estimates and torque, per axis."""
+WAIT_TICKS = 400
+"""Exchanges within which an axis has to answer during set-up."""
+
+
+class OdriveDevice(Device):
+    """Two axes in torque mode; the file's ``settings`` may give ``current_limit``, ``watchdog``."""
+
+    driver = "odrive"
+    latency_ticks: ClassVar[int] = 1
+
+    _bus: CanBus | None = None
+
+    @classmethod
+    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
+        """Both axes' estimates and torques."""
+        del address, file
+        return BusUse(FRAMES)
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """Off in a new ODrive; verified once ``device check`` has seen it fire."""
+        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
+        timeout = settings.get("timeout")
+        if timeout is None:
+            return Watchdog()
+        return Watchdog(timeout=float(timeout), verified=self.watchdog_proved(float(timeout)))
+
+    def _open(self) -> None:
+        self._nodes = numbers(self.address, "nodes", 2, (0, 1))
+        self._seen = dict.fromkeys(self._nodes, 0)
+        self._beats = dict.fromkeys(self._nodes, 0)
+        self._states = dict.fromkeys(self._nodes, 0)
+        self._expired: set[int] = set()
+        self._sequence, self._closed = 0, False
+        self._bus = open_bus(self.address, self.pulse)
+        self._bus.join(self, FRAMES, 1 / self.tick)
+        for node in self._nodes:
+            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+            self._to(node, Command.CLEAR_ERRORS)
+            self._to(node, Command.SET_MODES, wire.set_modes())
+            self._to(node, Command.SET_LIMITS, self._limits())
+            self._set_watchdog(node)
+        self._bus.keep_step()
+        self._until(self._all_idle, "its axes do not report to be idle")
+        self._until(self._all_measured, "its axes send no encoder estimates")
+
+    def _limits(self) -> bytes:
+        turns = self.file.limits.joint_speed / (2 * pi)
+        return wire.set_limits(turns, setting(self.file, "current_limit", 10.0))
+
+    def _set_watchdog(self, node: int) -> None:
+        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
+        if "timeout" not in settings:
+            return
+        for name, value in (("timeout", float(settings["timeout"])), ("enable", True)):
+            endpoint = settings.get(f"{name}_endpoint")
+            if endpoint is not None:
+                self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(int(endpoint), value))
+
+    def _receive(self) -> Sample | None:
+        bus = self._opened()
+        bus.collect(self)
+        self._take_heartbeats(bus)
+        frames = [bus.latest(identifier(node, Command.ESTIMATES)) for node in self._nodes]
+        if any(
+            frame is None or frame[0] == self._seen[node]
+            for node, frame in zip(self._nodes, frames, strict=True)
+        ):
+            return None
+        turns: list[float] = []
+        for node, frame in zip(self._nodes, frames, strict=True):
+            assert frame is not None
+            self._seen[node] = frame[0]
+            turns.append(wire.estimates(frame[1])[0])
+        self._sequence += 1
+        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
+
+    def _take_heartbeats(self, bus: CanBus) -> None:
+        fresh = 0
+        for node in self._nodes:
+            frame = bus.latest(identifier(node, Command.HEARTBEAT))
+            if frame is None or frame[0] == self._beats[node]:
+                continue
+            self._beats[node] = frame[0]
+            error, self._states[node] = wire.heartbeat(frame[1])
+            fresh += 1
+            self._count_expired(node, error)
+            if not self._closed:
+                error &= ~wire.WATCHDOG_EXPIRED  # an idle axis that nobody talks to; it is cleared
+            if error and self.state is not State.FAULT:
+                raise BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
+            if self._closed and self._states[node] != wire.CLOSED_LOOP:
+                raise BoardError(f"ODrive axis {node} left closed loop")
+        if fresh and self._all_idle():
+            self.zeros_confirmed += 1
+
+    def _count_expired(self, node: int, error: int) -> None:
+        """One report for the device once the watchdogs of both axes have fired in closed loop."""
+        if not (self._closed and error & wire.WATCHDOG_EXPIRED):
+            self._expired.discard(node)
+        elif node not in self._expired:
+            self._expired.add(node)
+            self.watchdog_reports += len(self._expired) == len(self._nodes)
+
+    def _send(self, tick: int, torque: Pair) -> Pair:
+        sent: list[float] = []
+        for node, joint, value in zip(self._nodes, self.file.joints, torque, strict=True):
+            drive = joint.drive
+            if not isinstance(drive, TorqueDrive):
+                raise InputError("an ODrive takes torque: its 'drive' has a gear and a direction")
+            code = drive.encode(value)
+            self._to(node, Command.SET_TORQUE, wire.set_torque(code))
+            sent.append(drive.decode(code))
+        return sent[0], sent[1]
+
+    def _send_zero(self) -> None:
+        """Zero, then idle; silence afterwards, because any frame would feed the watchdog."""
+        self._closed = False
+        for node in self._nodes:
+            if self._states[node] != wire.IDLE:
+                self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+                self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+
+    def _enter(self) -> None:
+        for node in self._nodes:
+            self._to(node, Command.CLEAR_ERRORS)
+            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, Command.SET_STATE, wire.set_state(wire.CLOSED_LOOP))
+        self._until(
+            lambda: set(self._states.values()) == {wire.CLOSED_LOOP},
+            "its axes do not enter closed loop (are they calibrated?)",
+            keep=lambda: self._send(0, ZERO),
+        )
+        self._closed = True
+
+    def _leave(self) -> None:
+        self._send_zero()
+
+    def _take_over(self) -> None:
+        self._states = dict.fromkeys(self._nodes, 0)
+        self._opened().take_over()
+
+    def _close(self) -> None:
+        if self._bus is not None:
+            self._bus.leave(self)
+            self._bus = None
+
+    def _until(
+        self, done: Callable[[], bool], otherwise: str, keep: Callable[[], object] | None = None
+    ) -> None:
+        for _ in range(WAIT_TICKS):
+            self._receive()
+            if done():
+                return
+            if keep is not None:
+                keep()
+            self.pause()
+        raise DeviceError(f"{self.name}: {otherwise}")
+
+    def _all_idle(self) -> bool:
+        return set(self._states.values()) == {wire.IDLE}
+
+    def _all_measured(self) -> bool:
+        return all(self._seen.values())
+
+    def _to(self, node: int, command: Command, data: bytes = b"") -> None:
+        self._opened().send(identifier(node, command), data)
+
+    def _opened(self) -> CanBus:
+        assert self._bus is not None, "configure comes first"
+        return self._bus

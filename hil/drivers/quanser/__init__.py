@@ -1,0 +1,1 @@
+"""A Quanser card through its maker's package."""

@@ -1,0 +1,107 @@
+"""``quanser://q8_usb/0``: a Quanser card: two encoder inputs, two analogue outputs.
+
+Untested on hardware. The maker's package ``quanser.hardware`` comes with its SDK, not from PyPI.
+Reading and writing are immediate, so the timing is the FMU's. The card's watchdog drives the
+outputs to zero torque; it is fed by writing alone and proved at every opening by letting it expire.
+A serial number is not asked for: the package gives that call one byte of room. Source: Quanser's
+HIL Python API documentation.
+"""
+
+from __future__ import annotations
+
+from array import array
+from typing import Any
+
+from cosim.base.errors import InputError
+from hil.device.contract import Sample, State
+from hil.device.errors import BoardError, DeviceGone
+from hil.drivers.card import CardDevice
+from hil.drivers.samples import sample_of_counts
+from hil.safety.linkage import Pair
+from hil.setup.address import numbers
+from hil.setup.settings import setting
+from hil.wire.vendor import fires, timeout_of, vendor
+
+INSTALL = "install the Quanser SDK (github.com/quanser) with its Python packages"
+
+
+class QuanserDevice(CardDevice):
+    """``?encoders=0,1&outputs=0,1`` are channels.
+
+    ``settings`` may give ``watchdog.timeout`` (s), and ``digital_outputs``: how many of them go
+    tristate with it (Q8 cards ask for that).
+    """
+
+    driver = "quanser"
+
+    _card: Any = None
+
+    def _open(self) -> None:
+        self._module = vendor("quanser.hardware", driver=self.driver, install=INSTALL)
+        kind, _, identifier = self.address.place.partition("/")
+        if not kind:
+            raise InputError(f"'{self.address.url}' does not name a card: write quanser://q8_usb/0")
+        self._timeout = timeout_of(self.file)
+        self._encoders = array("I", numbers(self.address, "encoders", 2, (0, 1)))
+        self._outputs = array("I", numbers(self.address, "outputs", 2, (0, 1)))
+        self._counts, self._sequence, self._proved = array("i", (0, 0)), 0, False
+        try:
+            self._card = self._module.HIL(kind, identifier or "0")
+            self._card.watchdog_clear()
+            self._write(self._rest)
+        except self._module.HILError as error:
+            raise DeviceGone(f"the card {self.address.place}: {_message(error)}") from error
+        self._prove_watchdog()
+
+    def _prove_watchdog(self) -> None:
+        """A card without a watchdog can be read and run dry; it is never given output."""
+        card, rest = self._card, array("d", self._rest)
+        digital = int(setting(self.file, "digital_outputs", 0))
+        tristate = self._module.DigitalState.TRISTATE
+        try:
+            card.watchdog_set_analog_expiration_state(self._outputs, 2, rest)
+            if digital:
+                lines = array("I", range(digital))
+                states = array("i", [tristate] * digital)
+                card.watchdog_set_digital_expiration_state(lines, digital, states)
+            card.watchdog_start(self._timeout)
+            fired = fires(card.watchdog_is_expired, self.pause, self._timeout / self.tick)
+            card.watchdog_clear()
+            self._write(self._rest)
+            card.watchdog_start(self._timeout)
+            self._proved = bool(fired)
+        except self._module.HILError:
+            self._proved = False
+
+    def _receive(self) -> Sample | None:
+        try:
+            self._card.read_encoder(self._encoders, 2, self._counts)
+        except self._module.HILError as error:
+            raise DeviceGone(f"the card does not answer: {_message(error)}") from error
+        first, second = self._counts
+        self._sequence += 1
+        return sample_of_counts(self.file.joints, (first, second), self._sequence)
+
+    def _put(self, voltage: Pair) -> None:
+        try:
+            self._write(voltage)
+            alive = not self._proved or self._card.watchdog_reload()
+        except self._module.HILError as error:
+            raise DeviceGone(f"the card takes no output: {_message(error)}") from error
+        if not alive and self.state is not State.FAULT:
+            raise BoardError("the card's watchdog has expired")
+
+    def _write(self, voltage: Pair) -> None:
+        self._card.write_analog(self._outputs, 2, array("d", voltage))
+
+    def _close(self) -> None:
+        if self._card is not None:
+            card, self._card = self._card, None
+            try:
+                card.watchdog_stop()
+            finally:
+                card.close()
+
+
+def _message(error: Any) -> str:
+    return str(error.get_error_message())

@@ -1,0 +1,58 @@
+"""How an emulator proves that it is one: it moves without force, by an amount told only to it.
+
+The side channel is told two random angles; if the angles that the driver reads over the device's
+own wire then shift by exactly those, there is no hand and no motor behind that wire.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+from math import pi
+from random import SystemRandom
+from typing import TYPE_CHECKING
+
+from hil.device.errors import DeviceError
+from hil.emulation.side_channel import Control
+
+if TYPE_CHECKING:
+    from hil.device.device import Device
+    from hil.safety.linkage import Pair
+
+EXCHANGES = 4
+
+
+def doubt(device: Device) -> str | None:
+    """Why a configured, inactive device may not be an emulator; ``None`` once it proved to be one.
+
+    It needs ``emulator=`` in its URL.
+    """
+    path = device.address.options.get("emulator")
+    if path is None:
+        return "its URL names no emulator"
+    random = SystemRandom()
+    shift = (random.uniform(0.1, 0.4), random.uniform(-0.4, -0.1))
+    try:
+        with closing(Control(path)) as control:
+            before = _angles(device)
+            control.ask("shift", by=shift)
+            moved = _angles(device)
+            control.ask("shift", by=(0.0, 0.0))
+            after = _angles(device)
+    except DeviceError as error:
+        return str(error)
+    allowed = 3 * max(2 * pi / joint.counts_per_turn for joint in device.file.joints)
+    shown = all(
+        abs(abs(moved[axis] - before[axis]) - abs(shift[axis])) < allowed
+        and abs(after[axis] - before[axis]) < allowed
+        for axis in (0, 1)
+    )
+    return None if shown else "its angles did not move as the emulator was told to move them"
+
+
+def _angles(device: Device) -> Pair:
+    """Shaft angles after the exchanges that a pipelined protocol needs to show a change."""
+    for tick in range(-EXCHANGES, 0):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+        device.pause()
+    return device.read(0).joint_angle

@@ -1,1 +1,0 @@
-"""Emulated devices: other processes that move a simulated pantograph and speak the real bytes."""

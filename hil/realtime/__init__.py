@@ -1,0 +1,1 @@
+"""The paced run: loop, supervisor and recorder in three processes."""

@@ -1,0 +1,135 @@
+"""What other processes can watch of a paced run: rows of its status, and the recorded rows.
+
+The loop writes into rings in shared memory; a small JSON file beside them says what is in them. Who
+watches maps them read-only, so nobody can hold up or spoil the loop: a slow reader loses rows.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from array import array
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+from hil.device.contract import Cause, State
+from hil.device.device import Device
+from hil.realtime.ring import Ring
+from hil.safety.linkage import Linkage
+
+STATUS_ROWS = 128
+STATUS_TICKS = 8
+"""Ticks from one status row to the next: a row takes the loop some ten microseconds."""
+PREFIX = "cohaptic-live-"
+"""How the files that describe a run to others begin."""
+LOOP_CELLS = ("tick", "late_ticks", "slipped", "worst")
+DEVICE_CELLS = (
+    "state",
+    "status",
+    "age",
+    "angle_1",
+    "angle_2",
+    "torque_1",
+    "torque_2",
+    "flags",
+    "cause",
+)
+"""The cells of a status row: the loop's, then those of each device."""
+STATES, CAUSES = tuple(State), tuple(Cause)
+_STATE_NUMBER = {state: number for number, state in enumerate(STATES)}
+
+
+class Lateness(Protocol):
+    """What the pacer counts."""
+
+    misses: int
+    slipped: int
+    worst: int
+
+
+class StatusWriter:
+    """The loop's side: rows of how the loop and every device stand."""
+
+    def __init__(self, ring: Ring, devices: Sequence[Device], lateness: Lateness) -> None:
+        self._ring, self._devices, self._lateness = ring, devices, lateness
+        self._row = array("d", bytes(8 * ring.cells))
+        self._cells = memoryview(self._row).cast("B").cast("q")
+
+    def write(self, tick: int) -> None:
+        """Say how things stand as ``tick`` begins."""
+        late, row = self._lateness, self._row
+        row[0], row[1], row[2], row[3] = tick, late.misses, late.slipped, late.worst * 1e-9
+        place = len(LOOP_CELLS)
+        for device in self._devices:
+            fault = device.fault
+            row[place] = _STATE_NUMBER[device.state]
+            row[place + 1] = device.status
+            row[place + 2] = device.age
+            row[place + 3], row[place + 4] = device.shown_angle
+            row[place + 5], row[place + 6] = device.sent
+            row[place + 7] = device.sent_flags
+            row[place + 8] = -1 if fault is None else CAUSES.index(fault.cause)
+            place += len(DEVICE_CELLS)
+        self._ring.put(self._cells)
+
+
+class Feed:
+    """The rings of one run; the command's process makes it, the loop fills it."""
+
+    def __init__(
+        self, name: str, rate: float, devices: dict[str, Linkage], rings: Sequence[Ring] = ()
+    ) -> None:
+        self.status = Ring.create(len(LOOP_CELLS) + len(DEVICE_CELLS) * len(devices), STATUS_ROWS)
+        self.path = shared_folder() / f"{PREFIX}{os.getpid()}-{id(self):x}.json"
+        self._content: dict[str, Any] = {
+            "name": name,
+            "pid": os.getpid(),
+            "rate": rate,
+            "folder": None,
+            "status": str(self.status.path),
+            "devices": {
+                name: [linkage.proximal, linkage.distal, linkage.base]
+                for name, linkage in devices.items()
+            },
+            "groups": [],
+        }
+        self._rings = rings
+
+    @property
+    def devices(self) -> list[str]:
+        """The device components, in the order of a status row."""
+        return list(self._content["devices"])
+
+    @property
+    def published(self) -> bool:
+        """Whether others can find it."""
+        return self.path.exists()
+
+    def publish(self, groups: Sequence[Any] = (), folder: Path | None = None) -> None:
+        """Let others find it, with what is recorded in its rings and where to."""
+        self._content["folder"] = None if folder is None else str(folder.resolve())
+        self._content["groups"] = [
+            {
+                "name": group.name,
+                "period": group.period,
+                "ring": str(ring.path),
+                "columns": [[c.name, c.unit or "", c.is_float] for c in group.columns],
+            }
+            for group, ring in zip(groups, self._rings, strict=True)
+        ]
+        part = self.path.with_suffix(".part")
+        part.write_text(json.dumps(self._content), encoding="utf-8")
+        part.replace(self.path)
+
+    def remove(self) -> None:
+        """The run is over; who is attached keeps what it has seen."""
+        self.path.unlink(missing_ok=True)
+        self.status.remove()
+
+
+def shared_folder() -> Path:
+    """Where rings and their descriptions lie."""
+    shared = Path("/dev/shm")
+    return shared if shared.is_dir() else Path(tempfile.gettempdir())

@@ -1,0 +1,83 @@
+"""Recorded rows from the loop's process to the recorder's, through a ring a record group.
+
+The loop's side is what the master calls a sink; the recorder's side feeds any other sink. Rows keep
+their bits. A recorder that cannot keep up ends the run: nothing is dropped in silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hil.device.errors import DeviceError
+from hil.realtime.ring import Reader, Ring
+
+SECONDS = 8.0
+"""How far a recorder may fall behind the loop."""
+
+
+class RelaySink:
+    """The loop's side: one row at a time (a paced loop runs tick by tick)."""
+
+    def __init__(self, rings: Sequence[Ring]) -> None:
+        self._put = [ring.put for ring in rings]
+        self._rows = [np.zeros((1, ring.cells), np.int64) for ring in rings]
+        self._cells = [memoryview(rows[0]).cast("B").cast("q") for rows in self._rows]
+
+    def begin(self, groups: Sequence[Any], base_rate: Fraction) -> None:
+        """The recorder knows the groups already."""
+
+    def buffer(self, group: int, rows: int) -> NDArray[np.int64]:
+        """Room for the next row."""
+        if rows != 1:
+            message = "a paced loop records one row at a time"
+            raise ValueError(message)
+        return self._rows[group]
+
+    def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """Hand the row on."""
+        del first_tick
+        if rows:
+            self._put[group](self._cells[group])
+
+
+class RelayPump:
+    """The recorder's side: call :meth:`pump` until the loop is over, and once more then."""
+
+    def __init__(self, rings: Sequence[Ring], groups: Sequence[Any], sink: Any) -> None:
+        self._readers = [Reader(ring, oldest=True) for ring in rings]
+        self._groups, self._sink = groups, sink
+        self._rows = [0] * len(rings)
+
+    def pump(self) -> int:
+        """Hand on what has come; the tick after the last row that is in.
+
+        Raises:
+            DeviceError: rows were overwritten before they were read.
+        """
+        reached = 0
+        for number, (reader, group) in enumerate(zip(self._readers, self._groups, strict=True)):
+            values = reader.read()
+            if reader.lost:
+                raise DeviceError(f"the recorder fell behind: {reader.lost} rows are lost")
+            if len(values):
+                room = self._sink.buffer(number, len(values))
+                room[:] = values.view(np.int64)
+                first = self._rows[number] * group.period
+                self._rows[number] += len(values)
+                self._sink.commit(number, first, len(values))
+            reached = max(reached, self._rows[number] * group.period)
+        return reached
+
+
+def make_rings(groups: Sequence[Any], rate: Fraction) -> list[Ring]:
+    """A ring for each record group of a scenario with that base rate (Hz)."""
+    rings: list[Ring] = []
+    for group in groups:
+        capacity = max(64, int(SECONDS * float(rate) / group.period))
+        rings.append(Ring.create(len(group.columns), capacity))
+    return rings

@@ -1,0 +1,133 @@
+"""A dead-man input: force lasts as long as a person holds it, asked at every tick.
+
+Two sources. ``device``: a switch wired to the board itself, in every answer of it (``cobs``).
+``evdev:/dev/input/event5``: a foot pedal, button or key of this computer as Linux reports it, one
+key of it with ``?key=57``. A terminal is none: it does not tell when a key is let go.
+
+Source of the events' layout: Linux, Documentation/input/input.rst and event-codes.rst.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qs
+
+from cosim.base.errors import InputError
+from hil.device.contract import ZERO
+
+if TYPE_CHECKING:
+    from hil.device.device import Device
+
+PATIENCE = 30.0
+"""How long a person may take to press it (s)."""
+_EVENT = struct.Struct("@llHHi")
+_KEY_EVENT, _SYNC_EVENT, _DROPPED = 0x01, 0x00, 0x03
+_RELEASED, _PRESSED = 0, 1
+
+Held = Callable[[], bool]
+
+
+class EventKey:
+    """A key of a Linux input device: held from when it is pressed until it is released.
+
+    A key that is down already when we begin is not held, because a stuck one would be. Lost events
+    and a device that is gone count as released. Asking costs one system call and never waits.
+    """
+
+    def __init__(self, path: str, key: int | None = None) -> None:
+        self._key = key
+        self._down: set[int] = set()
+        try:
+            self._file = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+        except OSError as error:
+            raise InputError(
+                f"the dead-man input {path} cannot be opened ({error.strerror}); 'ls "
+                "/dev/input/by-id' shows what there is, and group 'input' may read it"
+            ) from error
+        self._gone = False
+
+    def __call__(self) -> bool:
+        """Whether it is held now."""
+        if not self._gone:
+            self._take()
+        return bool(self._down)
+
+    def _take(self) -> None:
+        try:
+            data = os.read(self._file, 64 * _EVENT.size)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data or len(data) % _EVENT.size:
+            self._gone = True
+            self._down.clear()
+            return
+        for _, _, kind, code, value in _EVENT.iter_unpack(data):
+            if kind == _KEY_EVENT and self._key in {None, code}:
+                if value == _PRESSED:
+                    self._down.add(code)
+                elif value == _RELEASED:
+                    self._down.discard(code)
+            elif kind == _SYNC_EVENT and code == _DROPPED:
+                self._down.clear()
+
+    def close(self) -> None:
+        """Let go of it; it is released from then on."""
+        self._gone = True
+        self._down.clear()
+        os.close(self._file)
+
+
+def open_dead_man(source: str) -> Callable[[Device], Held]:
+    """What tells for each device whether the dead-man input is held.
+
+    Raises:
+        InputError: the source is unknown, or cannot be opened.
+    """
+    if source == "device":
+        return _of_device
+    scheme, _, rest = source.partition(":")
+    path, _, query = rest.partition("?")
+    if scheme != "evdev" or not path:
+        raise InputError(
+            f"'{source}' is no dead-man input: write 'device' for a switch on the board itself, or "
+            "'evdev:/dev/input/eventN' (with ?key=CODE for one key of it)"
+        )
+    options = parse_qs(query)
+    key = options.pop("key", ["0"])[0]
+    if options or not key.isdecimal():
+        raise InputError(f"'{source}': the only option is key=CODE, a number of event-codes")
+    held = EventKey(path, int(key) or None)
+
+    def for_all(_: Device) -> Held:
+        return held
+
+    return for_all
+
+
+def _of_device(device: Device) -> Held:
+    if not device.has_input:
+        raise InputError(
+            f"the driver '{device.driver}' tells of no switch on its board: give "
+            "--dead-man evdev:/dev/input/eventN"
+        )
+    return lambda: device.input_held
+
+
+def wait_until_held(device: Device, held: Held, patience: float = PATIENCE) -> bool:
+    """Exchange zeros with a configured device until the input is held; whether it was in time."""
+    end = time.monotonic() + patience
+    tick = 0
+    while not held():
+        if time.monotonic() > end:
+            return False
+        device.read(tick)
+        device.write(tick, ZERO)
+        device.pause()
+        tick += 1
+    return True

@@ -1,0 +1,80 @@
+"""The safety limits of a device, their defaults, and the rule for loosening one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite
+
+from cosim.base.errors import InputError
+
+TIGHTER_IS_LARGER = frozenset({"ramp_time", "dexterity"})
+"""Limits that protect more when they are larger; every other one protects more when smaller."""
+
+HOLD_TICKS = 2
+"""Up to this age the torque is held as commanded."""
+DROP_TICKS = 10
+"""From this age on the torque is zero and the device is in FAULT."""
+LATE_SECONDS = 0.010
+"""A write that comes later than this after the previous one is zero, and the device faults."""
+ACTIVATION_TIP_SPEED = 0.02
+"""Activation is refused while the tip moves faster (m/s)."""
+FIRST_COMMAND_SHARE = 0.1
+"""The first command after activation has to be below this share of the torque limit."""
+SPEED_WINDOW_TICKS = 32
+"""Tip speed is the chord over this many ticks: one encoder count is then about 7 mm/s."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What a device may do to a hand; the defaults suit a small desktop pantograph.
+
+    The defaults come from the devices' published ratings, reduced; a device file tightens them
+    freely and loosens one only with a reason, which is printed at every activation.
+    """
+
+    torque: float = 0.15
+    """Largest torque of a joint (N.m)."""
+    continuous_torque: float = 0.08
+    """Torque that a motor may hold for ever (N.m)."""
+    peak_time: float = 2.0
+    """How long a motor may hold ``torque`` before it is brought down to the above (s)."""
+    slew: float = 60.0
+    """How fast the magnitude of a joint's torque may grow (N.m/s); a reduction is never slowed."""
+    tip_speed: float = 1.0
+    """Torque fades from 80 % of this speed on; at the speed itself the device faults (m/s)."""
+    joint_speed: float = 25.0
+    """Counts that move faster than this are no motion but a fault of the encoder (rad/s)."""
+    dexterity: float = 0.15
+    """Least sine of the angles between the links: nearer to a singular position is outside."""
+    ramp_time: float = 1.5
+    """How long force takes to come up after activation, 1 to 2 s."""
+
+    def replaced(self, values: Mapping[str, float], reasons: Mapping[str, str]) -> Limits:
+        """These limits with a device file's values; a looser one needs a reason.
+
+        Raises:
+            InputError: an unknown name, a value that is not positive, a loosening without reason,
+                or a ramp time outside 1 to 2 s.
+        """
+        known = [field.name for field in fields(self)]
+        for name, value in values.items():
+            if name not in known:
+                raise InputError(f"there is no limit '{name}'; the limits are {', '.join(known)}")
+            if not (isfinite(value) and value > 0):
+                raise InputError(f"the limit '{name}' has to be positive, it is {value!r}")
+            if self.is_looser(name, value) and not reasons.get(name, "").strip():
+                raise InputError(
+                    f"the limit '{name}: {value}' is looser than the default "
+                    f"{getattr(self, name)}: write why under 'loosened: {{{name}: ...}}', "
+                    "or keep the default"
+                )
+        merged = {name: values.get(name, getattr(self, name)) for name in known}
+        if not 1.0 <= merged["ramp_time"] <= 2.0:
+            raise InputError(f"'ramp_time' has to be 1 to 2 s, it is {merged['ramp_time']}")
+        return Limits(**merged)
+
+    def is_looser(self, name: str, value: float) -> bool:
+        """Whether a value protects less than this one's."""
+        current: float = getattr(self, name)
+        return value < current if name in TIGHTER_IS_LARGER else value > current

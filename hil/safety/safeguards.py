@@ -1,0 +1,63 @@
+"""What has to stand behind a device before it may produce force."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from hil.device.errors import ActivationRefused
+
+if TYPE_CHECKING:
+    from hil.device.driver import Driver
+
+NETWORK = frozenset({"socket", "rfc2217", "udp_multicast"})
+"""Transports that anybody on the network could write to: for emulators only."""
+
+
+def check_safeguards(device: Driver) -> None:
+    """Refuse output that nothing would switch off when this process dies.
+
+    Raises:
+        ActivationRefused: a network transport to hardware, another Python thread in the process, no
+            verified watchdog and no supervisor (or none that could take over), or no switch that
+            cuts the power.
+    """
+    permission = device.permission
+    if device.in_process or permission is None:
+        return
+    emulated = permission.how.startswith("emulator")
+    if device.address.transport in NETWORK and not emulated:
+        raise ActivationRefused(
+            f"{device.name} is reached over a network, which nobody guards: "
+            "such a transport is for emulators only"
+        )
+    if threading.active_count() > 1 and not device.lockstep:
+        raise ActivationRefused(
+            f"{device.name}: another Python thread lives in the control process and would delay "
+            "the loop by milliseconds"
+        )
+    if device.watchdog.verified:
+        return
+    if not device.shares_port:
+        raise ActivationRefused(
+            f"{device.name} is reached through its maker's library, whose handle no supervisor can "
+            "take over, and its board has no watchdog that was seen to fire: it stays without "
+            "output"
+        )
+    if emulated:
+        return
+    if device.watchdog.timeout is not None:
+        raise ActivationRefused(
+            f"the watchdog of {device.name} has not been proved on this device: let it fire once "
+            "with 'cohaptic device check URL --file FILE --enable-output'"
+        )
+    if device.pulse is None:
+        raise ActivationRefused(
+            f"{device.name} has no verified watchdog and no supervisor guards this process: "
+            "run it with --realtime"
+        )
+    if not device.file.estop_confirmed:
+        raise ActivationRefused(
+            f"{device.name} has no watchdog: its device file needs 'estop: confirmed', written "
+            "by someone who has a switch that cuts the motors' power"
+        )

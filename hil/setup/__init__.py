@@ -1,0 +1,1 @@
+"""Everything before the loop: device file, address, calibration, registry, first looks."""

@@ -1,0 +1,44 @@
+"""Which way a joint counts, found by having a person turn it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hil.device.contract import ZERO
+from hil.device.device import Device
+from hil.device.errors import DeviceError
+
+LEAST_TURN = 0.1
+"""A joint that turned less (rad) did not turn on purpose."""
+READS = 8
+
+
+def directions(device: Device, ask: Callable[[str], None]) -> tuple[int, int]:
+    """The signs that make joint angles grow counterclockwise (seen from above).
+
+    ``ask`` shows a sentence and returns once it was done.
+
+    Raises:
+        DeviceError: a joint did not turn.
+    """
+    signs: list[int] = []
+    for axis in (0, 1):
+        ask(f"Leave joint {axis + 1} where it is and press Enter")
+        before = _angle(device, axis)
+        ask(f"Turn joint {axis + 1} counterclockwise by a hand's breadth and press Enter")
+        turned = _angle(device, axis) - before
+        if abs(turned) < LEAST_TURN:
+            raise DeviceError(
+                f"joint {axis + 1} turned by {turned:.3f} rad only: is its encoder connected?"
+            )
+        signs.append(device.file.joints[axis].direction * (1 if turned > 0 else -1))
+    return signs[0], signs[1]
+
+
+def _angle(device: Device, axis: int) -> float:
+    for tick in range(READS):
+        device.read(tick)
+        device.write(tick, ZERO)
+        device.pause()
+    device.raise_fault()
+    return device.read(READS).joint_angle[axis]

@@ -1,0 +1,41 @@
+"""Drivers by name, found through the entry point group ``cohaptic.devices``.
+
+A lab adds a driver of its own by declaring an entry point in its own package.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from importlib.metadata import entry_points
+
+from cosim.base.errors import InputError
+from hil.device.device import Device
+
+GROUP = "cohaptic.devices"
+
+
+def names() -> list[str]:
+    """Every registered driver, sorted."""
+    return sorted({entry.name for entry in entry_points(group=GROUP)})
+
+
+def find(name: str) -> type[Device]:
+    """The driver's class.
+
+    Raises:
+        InputError: there is no driver of that name, or its package is missing something.
+    """
+    found = list(entry_points(group=GROUP, name=name))
+    if not found:
+        close = get_close_matches(name, names(), 1)
+        hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(names())}"
+        raise InputError(f"there is no device driver '{name}'; {hint}")
+    try:
+        kind: object = found[0].load()
+    except ImportError as error:
+        raise InputError(f"the device driver '{name}' cannot be loaded: {error}") from error
+    if not (isinstance(kind, type) and issubclass(kind, Device)):
+        raise InputError(
+            f"the entry point '{name}' of {GROUP} is no subclass of hil.device.device.Device"
+        )
+    return kind
