@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from cosim.base.errors import InputError, InputErrors, Location
 from cosim.base.node import Node, PathKey
@@ -13,8 +14,11 @@ from cosim.base.suggest import did_you_mean
 class Problems:
     """Collects errors while the rest of the document is still looked at."""
 
-    def __init__(self, root: Node) -> None:
+    def __init__(self, root: Node, form: Any = None, subject: str = "the document") -> None:
+        """``form`` is what ``root`` is read into, for the keys that it could have had."""
         self._root = root
+        self._form = form
+        self._subject = subject
         self._errors: list[InputError] = []
 
     def __bool__(self) -> bool:
@@ -45,18 +49,18 @@ class Problems:
     def add_validation(self, error: Mapping[str, Any]) -> None:
         """Report one of pydantic's findings."""
         path, node = self._document_path(error["loc"])
-        where = _dotted(path)
+        where = _dotted(path) or self._subject
         kind, context = error["type"], error.get("ctx", {})
         if kind == "extra_forbidden":
             inside = f" in {_dotted(path[:-1])}" if path[:-1] else ""
-            hint = did_you_mean(str(path[-1]), _keys_at(error["loc"]))
+            hint = did_you_mean(str(path[-1]), known_keys(self._form, error["loc"]))
             self.add_at(node.key_place or node.place, f"unknown key '{path[-1]}'{inside}.{hint}")
         elif kind == "missing":
-            self.add_at(node.place, f"{where or 'the scenario'} needs '{error['loc'][-1]}'.")
-        elif node.value is None:
+            self.add_at(node.place, f"{where} needs '{error['loc'][-1]}'.")
+        elif node.value is None and path:
             self.add_at(node.key_place or node.place, f"{where}: it has no value.")
         elif kind == "sentence":
-            at_key = error["loc"][-1] == "[key]" or isinstance(node.value, dict)
+            at_key = error["loc"][-1:] == ("[key]",) or isinstance(node.value, dict)
             self.add_at((at_key and node.key_place) or node.place, f"{where}: {error['msg']}")
         else:
             sentence = _sentence(kind, error["input"], context) or f"{error['msg']}."
@@ -72,13 +76,28 @@ class Problems:
         return path, node
 
 
+def describe(value: Any) -> str:
+    """A value as it is named in a message: ``the text 'abc'``, ``a list``."""
+    match value:
+        case None:
+            return "nothing"
+        case bool():
+            return "true" if value else "false"
+        case str():
+            return f"the text '{value if len(value) <= 60 else value[:57] + '...'}'"
+        case dict():
+            return "a mapping"
+        case list():
+            return "a list"
+        case _:
+            return f"{value}"[:60]
+
+
 def _dotted(path: tuple[PathKey, ...]) -> str:
     return ".".join(map(str, path))
 
 
 def _sentence(kind: str, value: Any, context: Mapping[str, Any]) -> str | None:
-    from cosim.scenario.form.fields import describe
-
     wanted = {
         "string_type": "a text",
         "int_type": "a whole number",
@@ -110,30 +129,50 @@ def _sentence(kind: str, value: Any, context: Mapping[str, Any]) -> str | None:
     return None
 
 
-def _keys_at(loc: tuple[PathKey, ...]) -> list[str]:
-    """The keys that are known where ``loc`` has one too many."""
-    from cosim.scenario.form.channel import (
-        Both,
-        ChannelForm,
-        DelayBoth,
-        GilbertElliottForm,
-        LateForm,
-        RmsJitter,
-        WeightedJitter,
-    )
-    from cosim.scenario.form.document import ComponentForm, ConnectionForm, Document, RecordForm
+def known_keys(form: Any, loc: tuple[PathKey, ...]) -> list[str]:
+    """The keys that the form has where ``loc`` has one too many."""
+    reached = [form]
+    for key in loc[:-1]:
+        reached = [inner for kind in reached for inner in _members(kind, key)]
+    forms = [inner for kind in reached for inner in _alternatives(kind) if _fields(inner)]
+    return list(dict.fromkeys(key for form in forms for key in _written(form)))
 
-    section, inner = loc[0], loc[2:-1]
-    if len(loc) == 1:
-        form: Any = Document
-    elif section == "channels" and inner:
-        by_tag: dict[PathKey, Any] = {"rms": RmsJitter, "weights": WeightedJitter, "both": Both}
-        by_tag["mapping"] = GilbertElliottForm if inner[0] == "loss" else LateForm
-        by_tag["delay"] = DelayBoth
-        form = by_tag.get(inner[-1], ChannelForm)
-    else:
-        forms = {"components": ComponentForm, "channels": ChannelForm}
-        forms |= {"connections": ConnectionForm, "record": RecordForm}
-        form = forms.get(str(section), Document)
-    keys = [field.alias or name for name, field in form.model_fields.items()]
-    return [*keys, "include"] if form in {Document, ComponentForm, ChannelForm} else keys
+
+def _written(form: Any) -> list[str]:
+    """A form's keys as they are written, with those that the reader takes away before."""
+    return [
+        *(field.alias or name for name, field in _fields(form).items()),
+        *getattr(form, "read_before", ()),
+    ]
+
+
+def _fields(kind: Any) -> Mapping[str, Any]:
+    return getattr(kind, "model_fields", {})
+
+
+def _alternatives(kind: Any) -> list[Any]:
+    """The types that a type stands for: members of a union, without their annotations."""
+    origin = get_origin(kind)
+    if origin is Annotated:
+        return _alternatives(get_args(kind)[0])
+    if origin in {Union, UnionType}:
+        return [inner for member in get_args(kind) for inner in _alternatives(member)]
+    return [kind]
+
+
+def _members(kind: Any, key: PathKey) -> list[Any]:
+    """What a type has under a key of pydantic's path; a union's tag leads into its member."""
+    origin = get_origin(kind)
+    if origin is Annotated:
+        inner, *notes = get_args(kind)
+        if any(getattr(note, "tag", None) == key for note in notes):
+            return [inner]
+        return _members(inner, key)
+    if origin in {Union, UnionType}:
+        return [found for member in get_args(kind) for found in _members(member, key)]
+    if origin in {dict, list, tuple}:
+        return [get_args(kind)[-1] if origin is dict else get_args(kind)[0]]
+    for name, field in _fields(kind).items():
+        if key == (field.alias or name):
+            return [field.annotation]
+    return []

@@ -38,7 +38,7 @@ def build(root: Node, file: Path) -> Scenario:
     assert isinstance(root.value, dict)
     members = {key: node for key, node in root.value.items() if not key.startswith("x-")}
     root = Node(members, root.place, root.key_place, root.removed)
-    problems = Problems(root)
+    problems = Problems(root, Document, "the scenario")
     context = _validate(root, problems)
     document = context.document
     timebase = _timebase(context)

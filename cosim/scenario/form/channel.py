@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from cosim.scenario.form.fields import Delay, Name, Packet, Probability, Rate, Span, problem
+from cosim.base.form import Form, problem
+from cosim.scenario.form.fields import Delay, Name, Packet, Probability, Rate, Span
 from cosim.scenario.source.merge import DELAY_FORMS, TRACED
-
-
-class Form(BaseModel):
-    """What every part of the document has in common: known keys only, no silent conversion."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
 
 T = TypeVar("T")
 
@@ -130,6 +124,8 @@ class DelayBoth(Form):
 
 class ChannelForm(Form):
     """What values cross between two stations; impairments are drawn for each packet."""
+
+    read_before: ClassVar[tuple[str, ...]] = ("include",)
 
     description: str = ""
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = Field(

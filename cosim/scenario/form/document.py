@@ -5,7 +5,7 @@ This is the form after includes, overlays and overrides; ``cosim.scenario.build`
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BaseModel,
@@ -18,7 +18,9 @@ from pydantic import (
     model_validator,
 )
 
-from cosim.scenario.form.channel import ChannelForm, Form, mapping_tag
+from cosim.base.form import Form, problem
+from cosim.base.problems import describe
+from cosim.scenario.form.channel import ChannelForm, mapping_tag
 from cosim.scenario.form.fields import (
     Delay,
     Given,
@@ -28,8 +30,6 @@ from cosim.scenario.form.fields import (
     Rate,
     Seconds,
     Signal,
-    describe,
-    problem,
 )
 from cosim.scenario.source.merge import KINDS
 from cosim.scenario.source.notation import NotationError, parse_connection
@@ -45,6 +45,8 @@ class DeviceForm(BaseModel):
 
 class ComponentForm(Form):
     """One thing with inputs and outputs: exactly one of fmu, python, device, playback."""
+
+    read_before: ClassVar[tuple[str, ...]] = ("include",)
 
     description: str = ""
     fmu: str | None = Field(
@@ -142,6 +144,8 @@ class RecordForm(Form):
 
 class Document(Form):
     """A cohaptic scenario."""
+
+    read_before: ClassVar[tuple[str, ...]] = ("include",)
 
     cohaptic: Literal[1] = Field(description="The version of the scenario language.")
     name: Name | None = Field(default=None, description="Names runs; the file's name by default.")

@@ -10,8 +10,9 @@ from fractions import Fraction
 from typing import Annotated, Any, Literal, cast
 
 from pydantic import PlainValidator, WithJsonSchema
-from pydantic_core import PydanticCustomError
 
+from cosim.base.form import problem
+from cosim.base.problems import describe
 from cosim.base.quantity import QuantityError, quantity, split_quantity
 from cosim.scenario.model import Reference, Value
 
@@ -27,28 +28,6 @@ class Lag:
 
     amount: Fraction
     unit: Literal["samples", "ticks", "s"]
-
-
-def problem(sentence: str) -> PydanticCustomError:
-    """An error whose text is already the sentence to show."""
-    return PydanticCustomError("sentence", "{sentence}", {"sentence": sentence})
-
-
-def describe(value: Any) -> str:
-    """A value as it is named in a message: ``the text 'abc'``, ``a list``."""
-    match value:
-        case None:
-            return "nothing"
-        case bool():
-            return "true" if value else "false"
-        case str():
-            return f"the text '{value if len(value) <= 60 else value[:57] + '...'}'"
-        case dict():
-            return "a mapping"
-        case list():
-            return "a list"
-        case _:
-            return f"{value}"[:60]
 
 
 def is_name(text: str) -> bool:
