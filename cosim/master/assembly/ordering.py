@@ -9,8 +9,9 @@ unit as that allows: each stage is one set and one get.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 from cosim.base.errors import InputError
 from cosim.master.assembly.interface import Interface
@@ -81,75 +82,149 @@ def build_graph(
     return Graph({a: {b: via for b, via in bs.items() if b in known} for a, bs in needs.items()})
 
 
+_Rank = tuple[int, int, str, int, Unit]
+"""How urgent a unit is, most ready atoms first, its name, and its number and itself."""
+
+
 def order(graph: Graph) -> list[Stage] | list[Atom]:
     """The stages in order, or the atoms of a loop where there is one.
 
     Of the units that could go on, one that can finish comes first; then one that must be split
     because what is left of it depends on what is ready of it; then the one with most to do. Names
     break ties, so the order of a scenario's components changes nothing.
+
+    A unit's rank changes only when more of it becomes ready, so the units wait in a heap, and an
+    entry that a later one has replaced is passed over.
     """
-    behind = _everything_behind(graph)
-    if behind is None:
-        return _find_loop(graph)
-    bit = {atom: 1 << number for number, atom in enumerate(graph.needs)}
+    dependents = _dependents(graph)
+    inside = _needs_inside_units(graph, dependents)
+    missing = {atom: len(needed) for atom, needed in graph.needs.items()}
     waiting: dict[Unit, set[Atom]] = {}
+    ready: dict[Unit, set[Atom]] = {}
     for atom in graph.needs:
         waiting.setdefault(atom[0], set()).add(atom)
+        if not missing[atom]:
+            ready.setdefault(atom[0], set()).add(atom)
+    numbers = {unit: number for number, unit in enumerate(waiting)}
+    heap: list[_Rank] = []
+    newest: dict[Unit, _Rank] = {}
 
+    def push(unit: Unit) -> None:
+        left = waiting[unit] - ready[unit]
+        must_split = any(not ready[unit].isdisjoint(inside.get(atom, ())) for atom in left)
+        urgency = 0 if not left else 1 if must_split else 2
+        newest[unit] = (urgency, -len(ready[unit]), str(unit), numbers[unit], unit)
+        heappush(heap, newest[unit])
+
+    for unit in ready:
+        push(unit)
     stages: list[Stage] = []
-    done = 0
-    while waiting:
-        best: tuple[int, int, str] | None = None
-        chosen: tuple[Unit, set[Atom]] = ("", set())
-        for unit, atoms in waiting.items():
-            ready = {atom for atom in atoms if behind[atom] & ~done == 0}
-            if not ready:
-                continue
-            own = sum(bit[atom] for atom in ready)
-            left = atoms - ready
-            must_split = any(behind[atom] & own for atom in left)
-            rank = (0 if not left else 1 if must_split else 2, -len(ready), str(unit))
-            if best is None or rank < best:
-                best, chosen = rank, (unit, ready)
-        unit, ready = chosen
-        stages.append(Stage(unit, tuple(sorted((name for _, name in ready), key=str))))
-        done |= sum(bit[atom] for atom in ready)
-        waiting[unit] -= ready
-        if not waiting[unit]:
-            del waiting[unit]
+    while heap:
+        rank = heappop(heap)
+        unit = rank[-1]
+        if newest[unit] is not rank:
+            continue
+        atoms = ready.pop(unit)
+        stages.append(Stage(unit, tuple(sorted((name for _, name in atoms), key=str))))
+        waiting[unit] -= atoms
+        grown: dict[Unit, None] = {}
+        for atom in atoms:
+            for dependent in dependents.get(atom, ()):
+                missing[dependent] -= 1
+                if not missing[dependent]:
+                    ready.setdefault(dependent[0], set()).add(dependent)
+                    grown[dependent[0]] = None
+        for other in grown:
+            push(other)
+    if any(missing.values()):
+        return _find_loop(graph, dependents)
     return stages
 
 
-def _everything_behind(graph: Graph) -> dict[Atom, int] | None:
-    """For each atom, the set (as bits) of all that it needs in the end; ``None``: a loop."""
-    bit = {atom: 1 << number for number, atom in enumerate(graph.needs)}
-    missing = {atom: len(needed) for atom, needed in graph.needs.items()}
+def _dependents(graph: Graph) -> dict[Atom, list[Atom]]:
     dependents: dict[Atom, list[Atom]] = {}
     for atom, needed in graph.needs.items():
         for other in needed:
             dependents.setdefault(other, []).append(atom)
-    behind = dict.fromkeys(graph.needs, 0)
-    ready = [atom for atom, count in missing.items() if count == 0]
+    return dependents
+
+
+def _needs_inside_units(
+    graph: Graph, dependents: Mapping[Atom, Sequence[Atom]]
+) -> dict[Atom, tuple[Atom, ...]]:
+    """For each atom, those of its own unit that it needs in the end, by whatever way.
+
+    Such a way leads out of the unit and back, so only units on a circle of units are looked at.
+    What an atom needs is a set of bits, and dropped as soon as everything behind it is done.
+    """
+    circle = _units_on_circles(graph)
+    members: dict[Unit, list[Atom]] = {}
+    missing: dict[Atom, int] = {}
+    for atom, needed in graph.needs.items():
+        if atom[0] in circle:
+            members.setdefault(atom[0], []).append(atom)
+            missing[atom] = sum(other[0] in circle for other in needed)
+    bit: dict[Atom, int] = {}
+    for atoms in members.values():
+        if len(atoms) > 1:
+            bit |= {atom: 1 << (len(bit) + number) for number, atom in enumerate(atoms)}
+    behind = dict.fromkeys(missing, 0)
+    inside: dict[Atom, tuple[Atom, ...]] = {}
+    ready = [atom for atom, count in missing.items() if not count]
     for atom in ready:  # grows while it is read
+        reached = behind.pop(atom)
+        if reached and atom in bit:
+            inside[atom] = tuple(other for other in members[atom[0]] if reached & bit[other])
+        reached |= bit.get(atom, 0)
         for dependent in dependents.get(atom, ()):
-            behind[dependent] |= behind[atom] | bit[atom]
+            if dependent in missing:
+                behind[dependent] |= reached
+                missing[dependent] -= 1
+                if not missing[dependent]:
+                    ready.append(dependent)
+    return inside
+
+
+def _units_on_circles(graph: Graph) -> set[Unit]:
+    """Every unit that needs itself through others, and perhaps some between two such circles."""
+    needs: dict[Unit, set[Unit]] = {}
+    for atom, needed in graph.needs.items():
+        needs.setdefault(atom[0], set()).update(other[0] for other in needed)
+    left = set(needs)
+    for forward in (True, False):
+        after: dict[Unit, list[Unit]] = {unit: [] for unit in left}
+        before = dict.fromkeys(left, 0)
+        for unit in left:
+            for other in needs[unit] & left:
+                first, second = (other, unit) if forward else (unit, other)
+                after[first].append(second)
+                before[second] += 1
+        ends = [unit for unit, count in before.items() if not count]
+        for unit in ends:  # grows while it is read
+            left.discard(unit)
+            for other in after[unit]:
+                before[other] -= 1
+                if not before[other]:
+                    ends.append(other)
+    return left
+
+
+def _find_loop(graph: Graph, dependents: Mapping[Atom, Sequence[Atom]]) -> list[Atom]:
+    missing = {atom: len(needed) for atom, needed in graph.needs.items()}
+    free = [atom for atom, count in missing.items() if not count]
+    for atom in free:  # grows while it is read
+        del missing[atom]
+        for dependent in dependents.get(atom, ()):
             missing[dependent] -= 1
-            if missing[dependent] == 0:
-                ready.append(dependent)
-    return behind if len(ready) == len(graph.needs) else None
-
-
-def _find_loop(graph: Graph) -> list[Atom]:
-    stuck = dict(graph.needs)
-    while free := [a for a, needed in stuck.items() if not any(b in stuck for b in needed)]:
-        for atom in free:
-            del stuck[atom]
-    atom = min(stuck, key=str)
-    path: list[Atom] = []
+            if not missing[dependent]:
+                free.append(dependent)
+    atom = min(missing, key=str)
+    path: dict[Atom, None] = {}
     while atom not in path:
-        path.append(atom)
-        atom = min((other for other in stuck[atom] if other in stuck), key=str)
-    loop = path[path.index(atom) :][::-1]
+        path[atom] = None
+        atom = min((other for other in graph.needs[atom] if other in missing), key=str)
+    walked = list(path)
+    loop = walked[walked.index(atom) :][::-1]
     first = loop.index(min(loop, key=str))
     return loop[first:] + loop[:first]
 

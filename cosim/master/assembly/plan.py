@@ -92,6 +92,12 @@ class Planner:
     locals: Mapping[str, tuple[str, ...]]
     """Further variables that are only recorded."""
     record_periods: tuple[int, ...]
+    connected: dict[str, set[str]] = field(init=False, default_factory=dict[str, set[str]])
+    """The input variables that something drives, by component."""
+
+    def __post_init__(self) -> None:
+        for wire in self.wiring.wires:
+            self.connected.setdefault(wire.target.component, set()).add(wire.target.variable)
 
     def plan(self) -> Plan:
         """Order everything.
@@ -195,7 +201,7 @@ class Planner:
         return actions
 
     def _inputs(self, stage: Stage, part: Part, initially: bool) -> set[str]:
-        connected = self.connected_inputs(str(stage.unit))
+        connected = self.connected.get(str(stage.unit), set[str]())
         needed = {
             name for output in stage.atoms for name in part.interface.outputs_depend_on(str(output))
         }
@@ -210,16 +216,10 @@ class Planner:
                 done.setdefault(stage.unit, set()).update(self._inputs(stage, part, initially))
         actions: list[Action] = []
         for name, part in sorted(self.parts.items()):
-            left = self.connected_inputs(name) - done.get(name, set())
+            left = self.connected.get(name, set[str]()) - done.get(name, set())
             if left:
                 actions.append(Action(Act.SET, name, part.period, tuple(sorted(left))))
         return actions
-
-    def connected_inputs(self, component: str) -> set[str]:
-        """The input variables of a component that something drives."""
-        return {
-            wire.target.variable for wire in self.wiring.wires if wire.target.component == component
-        }
 
     def lagging(self) -> list[str]:
         """Connections into components whose outputs answer one of their steps late.

@@ -62,7 +62,9 @@ def build_connection(
 
 def check_signal(context: Context, path: tuple[PathKey, ...], name: str) -> None:
     """Report a pattern whose first part matches no component and no channel."""
-    known = [*context.names("components"), *context.names("channels")]
+    known = {*context.names("components"), *context.names("channels")}
+    if name in known:
+        return
     wild = re.compile(re.escape(name).replace(r"\*", ".*").replace(r"\?", "."))
     if not any(wild.fullmatch(other) for other in known):
         hint = did_you_mean(name, known)
@@ -73,12 +75,12 @@ def _check_ends(context: Context, path: tuple[PathKey, ...], form: ConnectionFor
     """Whether both ends name something; a channel may be a source, never a target."""
     components, channels = context.names("components"), context.names("channels")
     is_known = True
-    for key, end, names in (
-        ("from", form.source, [*components, *channels]),
-        ("to", form.target, components),
+    for key, end, sections in (
+        ("from", form.source, (components, channels)),
+        ("to", form.target, (components,)),
     ):
-        if end.component not in names:
-            hint = did_you_mean(end.component, names)
+        if not any(end.component in section for section in sections):
+            hint = did_you_mean(end.component, [name for names in sections for name in names])
             message = f"there is no component '{end.component}' ({_text(form)}).{hint}"
             context.problems.add((*path, key), message)
             is_known = False

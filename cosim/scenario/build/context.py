@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -32,10 +33,10 @@ class Context:
         """Where an item of the document was in the list as written."""
         return self.kept[section][position] if section in self.kept else position
 
-    def names(self, section: str) -> list[str]:
+    def names(self, section: str) -> Mapping[str, Node]:
         """Every name in a section, those of members that are wrong included."""
         node = self.root.child(section)
-        return list(node.value) if node is not None and isinstance(node.value, dict) else []
+        return node.value if node is not None and isinstance(node.value, dict) else {}
 
     def rate(self, written: Fraction | str | None, owner: tuple[PathKey, ...]) -> Fraction | None:
         """The rate that ``owner``'s ``rate`` means; ``None`` after reporting a problem."""
