@@ -23,6 +23,7 @@ from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
 from cosim.scenario import Scenario
+from cosim.scenario.resolved import to_yaml
 
 FIGURE_FILE = "overview.png"
 Execute = Callable[[Simulation, Recorder, Progress | None], None]
@@ -52,7 +53,7 @@ class _FolderRecorder(Recorder):
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         self.folder = new_folder(self._scenario.name, self._out)
         self.path = self.folder / RUN_FILE
-        resolved = self._scenario.resolved()
+        resolved = to_yaml(self._scenario)
         try:
             (self.folder / SCENARIO_FILE).write_text(resolved, encoding="utf-8")
             write_manifest(self.folder, self._manifest)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-_FOLDER = Path(__file__).resolve().parent
+from fmus.names import FOLDER, check_name, is_checkout, model_names
+
+__all__ = ["check_name", "find", "is_checkout", "model_names"]
 
 
 def find(name: str, flavour: str = "fmi3") -> Path:
@@ -21,36 +23,12 @@ def find(name: str, flavour: str = "fmi3") -> Path:
     if flavour not in FLAVOURS:
         raise InputError(f"There is no FMU flavour '{flavour}'; use one of {', '.join(FLAVOURS)}.")
     check_name(name)
-    path = _FOLDER / "_built" / f"{name}.{flavour}.fmu"
+    path = FOLDER / "_built" / f"{name}.{flavour}.fmu"
     if is_checkout():
         _refuse_stale(name, path)
     elif not path.is_file():
         raise InputError(f"The FMU {path} is missing; reinstall cohaptic.")
     return path
-
-
-def model_names() -> tuple[str, ...]:
-    """The names of all models, in alphabetical order."""
-    return tuple(sorted(path.parent.name for path in _FOLDER.glob("*/variables.py")))
-
-
-def check_name(name: str) -> None:
-    """Refuse a name that none of our models has.
-
-    Raises:
-        InputError: with the name that may have been meant.
-    """
-    from cosim.base.errors import InputError
-    from cosim.base.suggest import did_you_mean
-
-    names = model_names()
-    if name not in names:
-        raise InputError(f"There is no model '{name}'.{did_you_mean(name, names)}")
-
-
-def is_checkout() -> bool:
-    """Whether this is a working copy, where sources change, and not an installed wheel."""
-    return (_FOLDER.parent / "hatch_build.py").is_file()
 
 
 def _refuse_stale(name: str, path: Path) -> None:

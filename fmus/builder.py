@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from fmus import model_names
 from fmus.archive import FLAVOURS, fmu_bytes, licence_files
 from fmus.compiler import (
     PLATFORMS,
@@ -29,6 +28,7 @@ from fmus.compiler import (
     host_platform,
 )
 from fmus.header import description_source, variables_header
+from fmus.names import model_names
 from fmus.symbols import fmi_functions, problems_of
 from fmus.table import Model
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -20,6 +21,7 @@ class Problems:
         self._form = form
         self._subject = subject
         self._errors: list[InputError] = []
+        self._ignored: tuple[type[InputError], ...] = ()
 
     def __bool__(self) -> bool:
         return bool(self._errors)
@@ -31,9 +33,28 @@ class Problems:
 
     def add_at(self, place: Location, message: str) -> None:
         """Report a problem with a place."""
-        error = InputError(message, place)
+        self._note(InputError(message, place))
+
+    def _note(self, error: InputError) -> None:
         if all(str(error) != str(other) for other in self._errors):
             self._errors.append(error)
+
+    def ignore(self, kind: type[InputError]) -> None:
+        """Errors of this kind only follow from one that was reported."""
+        self._ignored = (*self._ignored, kind)
+
+    @contextmanager
+    def at(self, path: tuple[PathKey, ...]) -> Generator[None]:
+        """Collect an error raised inside, with the place of ``path`` unless it brings its own."""
+        try:
+            yield
+        except self._ignored:
+            pass
+        except InputErrors as several:
+            for error in several.errors:
+                self._note(error)
+        except InputError as error:
+            self._note(InputError(error.message, error.location or self._root.locate(path)))
 
     def raise_if_any(self) -> None:
         """Raise what was collected.

@@ -48,7 +48,9 @@ def command(
             click.echo(json.dumps({"ok": False, "problems": _problems(error)}, indent=2))
         raise
     if resolved:
-        click.echo(loaded.resolved(), nl=False)
+        from cosim.scenario.resolved import to_yaml
+
+        click.echo(to_yaml(loaded), nl=False)
     elif as_json:
         click.echo(json.dumps({"ok": True, **report}, indent=2))
     else:

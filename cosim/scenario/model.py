@@ -84,6 +84,11 @@ class Jitter:
     step: int = 1
     weights: tuple[float, ...] = (1.0,)
 
+    @staticmethod
+    def uniform(most: int) -> tuple[float, ...]:
+        """Equal weights of 0 to ``most`` steps."""
+        return (1.0 / (most + 1),) * (most + 1)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bernoulli:
@@ -260,12 +265,3 @@ class Scenario:
         A path that leads nowhere gives the place of the deepest node on it that exists.
         """
         return self.root.locate(path)
-
-    def resolved(self) -> str:
-        """The whole scenario as YAML: one file with every default, include and override in it.
-
-        Loading it again gives the same scenario.
-        """
-        from cosim.scenario.resolved import to_yaml
-
-        return to_yaml(self)

@@ -8,7 +8,6 @@ from typing import Any, cast
 
 from cosim.base.quantity import format_exact
 from cosim.base.yaml_writer import write_yaml
-from cosim.scenario.build.channel import uniform
 from cosim.scenario.model import (
     Bernoulli,
     Channel,
@@ -26,7 +25,10 @@ from cosim.scenario.model import (
 
 
 def to_yaml(scenario: Scenario) -> str:
-    """The whole scenario as YAML, every default and override in it."""
+    """The whole scenario as YAML: one file with every default, include and override in it.
+
+    Loading it again gives the same scenario.
+    """
     return write_yaml(to_document(scenario))
 
 
@@ -129,7 +131,7 @@ def _ticks(ticks: int) -> str:
 
 def _jitter(jitter: Jitter, channel: Channel) -> int | str | dict[str, Any]:
     most = len(jitter.weights) - 1
-    if jitter.weights == uniform(most):
+    if jitter.weights == Jitter.uniform(most):
         if most == 0 or jitter.step == channel.period:
             return most
         if jitter.step == 1:

@@ -24,6 +24,7 @@ from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.record.writer import Recorder
 from cosim.scenario import Scenario
+from cosim.scenario.resolved import to_yaml
 from cosim.session import Finished, run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
@@ -150,7 +151,7 @@ def run_station(
             link=execute.found,
         )
         full_scenario = finished.folder / FULL_SCENARIO_FILE
-        full_scenario.write_text(scenario.resolved(), encoding="utf-8")
+        full_scenario.write_text(to_yaml(scenario), encoding="utf-8")
         return finished
     finally:
         door.close()

@@ -12,8 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
-from cosim.scenario import Bernoulli, Channel, GilbertElliott, Scenario
-from cosim.scenario.build.channel import uniform
+from cosim.scenario import Bernoulli, Channel, GilbertElliott, Jitter, Scenario
 
 Load = Callable[..., Scenario]
 
@@ -59,9 +58,9 @@ def test_each_direction_may_have_its_own(lan: Callable[[str], Channel]) -> None:
 
 def test_jitter_is_uniform_over_steps(lan: Callable[[str], Channel]) -> None:
     jitter = lan("jitter: 3").forward.jitter
-    assert (jitter.step, jitter.weights) == (8, uniform(3))
+    assert (jitter.step, jitter.weights) == (8, Jitter.uniform(3))
     jitter = lan("jitter: 2.1 ms").forward.jitter
-    assert (jitter.step, jitter.weights) == (1, uniform(3))
+    assert (jitter.step, jitter.weights) == (1, Jitter.uniform(3))
     jitter = lan("jitter: {weights: [3, 1]}".replace("3, 1", "0.75, 0.25")).forward.jitter
     assert (jitter.step, jitter.weights) == (8, (0.75, 0.25))
     scaled = lan("jitter: {weights: [0.3, 0.1], step: 2 ticks}").forward.jitter

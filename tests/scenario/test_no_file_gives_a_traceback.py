@@ -15,6 +15,7 @@ from small_scenario import SMALL
 
 from cosim.base.errors import InputError, InputErrors
 from cosim.scenario import load
+from cosim.scenario.resolved import to_yaml
 
 JUNK = st.recursive(
     st.none()
@@ -52,7 +53,7 @@ def attempt(
         assert all(item.message.strip() for item in found)
         str(error).encode("utf-8")
     else:
-        scenario.resolved()
+        to_yaml(scenario)
 
 
 def places(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

@@ -6,6 +6,7 @@ import pytest
 
 from cosim.analysis import load_tuned
 from cosim.base.errors import InputError
+from cosim.scenario.resolved import to_yaml
 
 FREE_MOTION = "thesis/free_motion"
 
@@ -38,9 +39,9 @@ def test_a_delay_between_two_samples_is_rounded_down():
 
 
 def test_the_resolved_scenario_shows_the_numbers():
-    resolved = load_tuned(
-        FREE_MOTION, (), ["components.vr_a.parameters.compensation=auto"]
-    ).resolved()
+    resolved = to_yaml(
+        load_tuned(FREE_MOTION, (), ["components.vr_a.parameters.compensation=auto"])
+    )
     assert "auto" not in resolved
     assert "compensation.x: -1.84" in resolved
 

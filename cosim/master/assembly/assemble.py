@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cosim.base.component import Causality, Component
+from cosim.base.problems import Problems
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.connections import wire
 from cosim.master.assembly.layout import Layout, lay_out
 from cosim.master.assembly.participants import Participant, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
-from cosim.master.assembly.problems import Problems
 from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.wiring import Signal, Wiring
 from cosim.scenario import Scenario
@@ -44,13 +44,13 @@ def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
-    problems = Problems(scenario)
+    problems = Problems(scenario.root)
     clock = Clock(scenario.base_rate)
     participants = read_participants(scenario, clock, problems, made)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
-    problems.raise_any()
+    problems.raise_if_any()
 
     parts = {
         name: Part(each.interface, each.period, each.fmu is not None, each.methods)
@@ -78,7 +78,7 @@ def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None
             lagging=tuple(planner.lagging()),
             notes=tuple(wiring.notes),
         )
-    problems.raise_any()
+    problems.raise_if_any()
     raise AssertionError
 
 

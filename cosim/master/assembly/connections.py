@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from cosim.base.component import Causality, Role, Variable, VariableType
 from cosim.base.errors import InputError
+from cosim.base.problems import Problems
 from cosim.base.suggest import did_you_mean
 from cosim.base.units import Unit, conversion
 from cosim.master.assembly.interface import Element, Interface, Selection
-from cosim.master.assembly.problems import Problems
 from cosim.master.assembly.wiring import (
     Bundle,
     Entry,

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 from cosim.base.component import Causality
 from cosim.base.errors import InputError
+from cosim.base.problems import Problems
 from cosim.base.recording import Column, RecordGroup
 from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.interface import Interface
-from cosim.master.assembly.problems import Problems
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
 from cosim.scenario import Scenario
 

@@ -134,12 +134,7 @@ def _uniform_jitter(lag: Lag, timebase: Timebase, period: int) -> Jitter:
     step = period if delay.samples is not None else 1
     most = delay.ticks // step
     _check_steps(most)
-    return Jitter(step=step, weights=uniform(most)) if most else Jitter()
-
-
-def uniform(most: int) -> tuple[float, ...]:
-    """Equal weights of 0 to ``most`` steps."""
-    return (1.0 / (most + 1),) * (most + 1)
+    return Jitter(step=step, weights=Jitter.uniform(most)) if most else Jitter()
 
 
 def _weights_of_rms(rms: float) -> tuple[float, ...]:

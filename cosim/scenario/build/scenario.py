@@ -13,7 +13,7 @@ from cosim.scenario.build.component import build_component
 from cosim.scenario.build.connection import build_connection, check_signal
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import Document
-from cosim.scenario.form.expectation import components_in
+from cosim.scenario.source.notation import components_in
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
 from cosim.base.problems import Problems
 from cosim.base.node import Node, PathKey

@@ -13,8 +13,7 @@ from __future__ import annotations
 from cosim.base.errors import InputError
 from cosim.base.node import Node, PathKey
 from cosim.base.suggest import did_you_mean
-from cosim.scenario.form.expectation import components_in
-from cosim.scenario.source.notation import as_mapping
+from cosim.scenario.source.notation import as_mapping, components_in
 
 Path = tuple[PathKey, ...]
 

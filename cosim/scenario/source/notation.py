@@ -52,3 +52,13 @@ def as_mapping(node: Node) -> Node:
     except NotationError:
         return node  # validation reports it with everything else
     return Node({key: Node(part, node.place) for key, part in parts.items()}, node.place)
+
+
+def components_in(target: str) -> list[str]:
+    """Names of the components in a target; none for a measure of the whole scenario.
+
+    ``a.x``, the difference ``a.x - b.x`` and the length ``|a.p - b.p|`` speak of components;
+    ``contact_losses`` of the scenario.
+    """
+    sides = target.strip().strip("|").split(" - ")
+    return [side.strip().partition(".")[0] for side in sides if "." in side]

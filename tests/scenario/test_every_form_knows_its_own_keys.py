@@ -1,0 +1,77 @@
+"""A misspelt key is answered with a key of the very form it stands in, and the forms are asked.
+
+Nothing lists the forms: what is known at a place follows from the document's own type.
+"""
+
+from copy import deepcopy
+from typing import Any
+
+import pytest
+from pydantic import BaseModel, ValidationError
+
+from cosim.base.problems import known_keys
+from cosim.scenario.form.document import Document
+
+CHANNEL: dict[str, Any] = {"between": ["a", "b"]}
+WRITTEN: dict[str, dict[str, Any]] = {
+    "the document": {},
+    "a component": {"components": {"m": {"fmu": "hand"}}},
+    "a channel": {"channels": {"lan": CHANNEL}},
+    "delay by direction": {
+        "channels": {"lan": {**CHANNEL, "delay": {"forward": 1, "backward": 1}}}
+    },
+    "loss in bursts": {
+        "channels": {"lan": {**CHANNEL, "loss": {"good_to_bad": 0.1, "bad_to_good": 0.1}}}
+    },
+    "weighted jitter": {"channels": {"lan": {**CHANNEL, "jitter": {"weights": [1.0]}}}},
+    "jitter by its spread": {"channels": {"lan": {**CHANNEL, "jitter": {"rms": "1 ms"}}}},
+    "jitter one way": {"channels": {"lan": {**CHANNEL, "jitter": {"forward": {"rms": "1 ms"}}}}},
+    "reorder": {"channels": {"lan": {**CHANNEL, "reorder": {"probability": 0.1}}}},
+    "duplication one way": {
+        "channels": {"lan": {**CHANNEL, "duplication": {"backward": {"probability": 0.1}}}}
+    },
+    "a connection in full": {"connections": [{"from": "a.x", "to": "b.x"}]},
+    "a record with a rate": {"record": [{"signals": "a.*"}]},
+}
+BASE: dict[str, Any] = {"cohaptic": 1, "duration": 1, "components": {}}
+
+
+def innermost(written: Any) -> dict[str, Any]:
+    """The deepest mapping that a case writes: the form that it is about."""
+    items = written.values() if isinstance(written, dict) else written
+    deeper = [item for item in items if isinstance(item, dict | list)]
+    for item in deeper:
+        if isinstance(item, dict) or (item and isinstance(item[0], dict)):
+            return innermost(item)
+    return written
+
+
+@pytest.mark.parametrize("case", WRITTEN)
+def test_what_may_be_written_there_is_what_is_known_there(case: str):
+    written = {**BASE, **deepcopy(WRITTEN[case])}
+    form = innermost({key: written[key] for key in WRITTEN[case]}) if WRITTEN[case] else written
+    form["no_such_key"] = 1
+    with pytest.raises(ValidationError) as caught:
+        Document.model_validate(written)
+    (finding,) = (e for e in caught.value.errors() if e["type"] == "extra_forbidden")
+    known = known_keys(Document, finding["loc"])
+    form.pop("no_such_key")
+    assert set(form) <= set(known)
+    for key in set(known) - set(form) - {"include"}:
+        form[key] = object()
+        with pytest.raises(ValidationError) as caught:
+            Document.model_validate(written)
+        assert all(e["type"] != "extra_forbidden" for e in caught.value.errors()), key
+        form.pop(key)
+
+
+def test_a_document_of_another_kind_is_asked_as_well():
+    class Inner(BaseModel):
+        depth: int
+
+    class Outer(BaseModel):
+        inner: list[Inner] | None = None
+
+    assert known_keys(Outer, ("x",)) == ["inner"]
+    assert known_keys(Outer, ("inner", 3, "x")) == ["depth"]
+    assert known_keys(Outer, ("inner", 3, "depth", "x")) == []
