@@ -12,6 +12,9 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
+from cosim.base.typography import comma_in_number, odd_characters
+from cosim.base.unit_hint import unit_hint
+
 Dimension = tuple[int, int, int, int, int]
 """Exponents of kg, m, s, A and rad."""
 
@@ -59,9 +62,10 @@ _PREFIXES = {
 }
 _NUMBER = re.compile(
     r"\s*(?P<number>[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?)"
-    r"(?:\s*/\s*(?P<divisor>\d{1,40}))?\s*(?P<unit>[^\d\s].*?)?\s*",
+    r"(?:\s*/\s*(?P<divisor>\d{1,40}))?\s*(?P<unit>[^\W\d_].*?|[%°].*?)?\s*",
     re.DOTALL,
 )
+_COMMA = re.compile(r"\s*[+-]?\d+(,\d+)+(\.\d+)?(?![,\d])")
 _FACTOR = re.compile(r"(?P<symbol>1|%|[A-Za-zµμ]+)(?P<exponent>\^?[+-]?\d{1,2}|[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
@@ -89,7 +93,7 @@ def parse_unit(text: str) -> Unit:
         match = _FACTOR.match(text, position)
         known = match and _symbol(match["symbol"])
         if not match or not known:
-            raise QuantityError(f"'{text}' is not a unit known here.")
+            raise _unknown_unit(text)
         power = sign * int((match["exponent"] or "1").lstrip("^").translate(_SUPERSCRIPT))
         factor *= known[0] ** power
         exponents = [a + power * b for a, b in zip(exponents, known[1], strict=True)]
@@ -98,7 +102,7 @@ def parse_unit(text: str) -> Unit:
             mass, length, time, current, angle = exponents
             return Unit(factor, (mass, length, time, current, angle))
         if text[position] not in ".*·/":
-            raise QuantityError(f"'{text}' is not a unit known here.")
+            raise _unknown_unit(text)
         sign = -1 if text[position] == "/" else 1
         position += 1
 
@@ -111,7 +115,10 @@ def split_quantity(text: str) -> tuple[Fraction, str | None]:
     """
     match = _NUMBER.fullmatch(text)
     if not match:
-        raise QuantityError(f"'{text}' is not a number with a unit.")
+        comma = _COMMA.match(text)
+        if comma:
+            raise QuantityError(comma_in_number(comma.group().strip()))
+        raise QuantityError(f"'{text}' is not a number with a unit.{odd_characters(text)}")
     number = Fraction(match["number"])
     if match["divisor"]:
         if int(match["divisor"]) == 0:
@@ -156,6 +163,19 @@ def format_exact(value: Fraction) -> str:
         return str(value.numerator)
     decimal = repr(float(value)) if abs(value) < 10**300 else ""
     return decimal if decimal and Fraction(decimal) == value else f"{value}"
+
+
+def _unknown_unit(text: str) -> QuantityError:
+    return QuantityError(f"'{text}' is not a unit known here.{unit_hint(text, _is_unit)}")
+
+
+def _is_unit(text: str) -> bool:
+    position = 0
+    while match := _FACTOR.match(text, position):
+        position = match.end() + 1
+        if not _symbol(match["symbol"]) or text[match.end() : position] not in {*".*·/", ""}:
+            return False
+    return position == len(text) + 1
 
 
 def _symbol(symbol: str) -> tuple[Fraction, Dimension] | None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node, Scalar
+from cosim.base.yaml_sentence import sentence, without_value
+from cosim.base.yaml_tabs import tab_scanner
 
 MAX_NODES = 100_000
 """Aliases are expanded; a file that expands to more than this is refused."""
@@ -39,8 +42,9 @@ def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-    builder = _Builder(shown, has_lines)
+    builder = _Builder(shown, text, has_lines)
     yaml: Any = YAML(typ="safe", pure=True)
+    yaml.Scanner = tab_scanner()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # an anchor's name may be used again
@@ -49,13 +53,15 @@ def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
             return Node(None, builder.start)
         return builder.build(root, None)
     except MarkedYAMLError as error:
-        broken: Any = error
-        raise InputError(_sentence(broken, text), builder.place(broken.problem_mark)) from None
+        message, mark = sentence(error, text)
+        raise InputError(message, builder.place(mark)) from None
     except YAMLError as error:
         before = text[: getattr(error, "position", 0)]
         place = Location(shown, before.count("\n") + 1, len(before) - before.rfind("\n"))
-        reason = getattr(error, "reason", error)
-        raise InputError(f"not YAML: {reason}.", place if has_lines else builder.start) from None
+        message = (
+            f"the control character {_code(text[len(before) :])} cannot stand here; delete it."
+        )
+        raise InputError(message, place if has_lines else builder.start) from None
     except RecursionError:
         raise InputError("nested too deeply to be a scenario.", builder.start) from None
 
@@ -63,8 +69,9 @@ def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
 class _Builder:
     """Converts ruamel's composed nodes, which carry marks and resolved tags."""
 
-    def __init__(self, shown: str, has_lines: bool) -> None:
+    def __init__(self, shown: str, text: str, has_lines: bool) -> None:
         self._shown = shown
+        self._text = text
         self._has_lines = has_lines
         self._open: set[int] = set()
         self._count = 0
@@ -101,8 +108,12 @@ class _Builder:
     def _mapping(self, node: Any) -> dict[str, Node]:
         members: dict[str, Node] = {}
         inherited: dict[str, Node] = {}
+        before: Any = None
         for key, value in node.value:
             place = self.place(key.start_mark)
+            if node.flow_style and _is_bare(key, value):
+                raise self._without_value(key, before)
+            before = value
             if key.id != "scalar":
                 raise InputError("a key must be a plain name.", place)
             if str(key.tag).endswith(":merge"):
@@ -116,6 +127,14 @@ class _Builder:
             members[name] = self.build(value, place)
         return {**inherited, **members}
 
+    def _without_value(self, key: Any, before: Any) -> InputError:
+        start = key.start_mark.index
+        glued, mark = "", key.start_mark
+        if before is not None and before.id == "scalar" and before.end_mark.index == start - 1:
+            glued, mark = str(before.value), before.start_mark
+        message = without_value(str(key.value), glued, self._text[start - 1 : start])
+        return InputError(message, self.place(mark if glued else key.start_mark))
+
     def _merged(self, value: Any, place: Location) -> dict[str, Node]:
         """The members that ``<<: *anchor`` or ``<<: [*a, *b]`` brings; earlier anchors win."""
         found: dict[str, Node] = {}
@@ -127,6 +146,15 @@ class _Builder:
         return found
 
 
+def _is_bare(key: Any, value: Any) -> bool:
+    """Whether a member of ``{…}`` is a key alone, without ':'."""
+    return value.id == "scalar" and key.end_mark.index == value.start_mark.index
+
+
+def _code(text: str) -> str:
+    return f"U+{ord(text[:1] or chr(0)):04X}"
+
+
 def _scalar(tag: str, text: str, place: Location) -> Scalar:
     kind = tag.removeprefix("tag:yaml.org,2002:")
     if kind == "null":
@@ -135,11 +163,14 @@ def _scalar(tag: str, text: str, place: Location) -> Scalar:
         return text.casefold() == "true"
     if kind in {"int", "float"}:
         try:
-            return _integer(text) if kind == "int" else _real(text)
+            return _integer(text, place) if kind == "int" else _real(text)
+        except InputError:
+            raise
         except ValueError:
             raise InputError(f"'{text[:40]}' is not a number that fits.", place) from None
     if kind in {"str", "timestamp"}:
         return _joined(text, place)
+    tag = tag.replace("tag:yaml.org,2002:", "!!")
     raise InputError(f"the tag '{tag}' has no meaning in a scenario; leave it out.", place)
 
 
@@ -153,35 +184,14 @@ def _joined(text: str, place: Location) -> str:
         raise InputError("half of a surrogate pair is no character.", place) from None
 
 
-def _integer(text: str) -> int:
+def _integer(text: str, place: Location) -> int:
     digits = text.replace("_", "")
+    if re.fullmatch(r"[+-]?0\d+", digits):
+        message = f"'{text[:40]}' begins with 0, which some read as octal; write {int(digits)}."
+        raise InputError(message, place)
     prefixed = digits.lstrip("+-")[:2] in {"0x", "0o", "0b"}
     return int(digits, 0 if prefixed else 10)
 
 
 def _real(text: str) -> float:
     return float(text.replace("_", "").casefold().replace(".inf", "inf").replace(".nan", "nan"))
-
-
-def _sentence(error: Any, text: str) -> str:
-    """The parser's complaint in the words of somebody who writes scenarios."""
-    problem = str(error.problem or error.context or "broken YAML")
-    mark = error.problem_mark
-    row = int(mark.line) if mark else 0
-    line = (text.splitlines() or [""])[row : row + 1]
-    indentation = line[0][: len(line[0]) - len(line[0].lstrip())] if line else ""
-    if "'\\t'" in problem or "\t" in indentation:
-        return "a tab indents this line; YAML wants spaces."
-    if "mapping values are not allowed" in problem:
-        return (
-            "a ':' too many: either the indentation is off, or text with ': ' in it needs quotes."
-        )
-    if "expected <block end>" in problem:
-        return "the indentation fits nothing above it."
-    if "could not find expected ':'" in problem:
-        return "broken YAML: a key without ':' here or on the line above."
-    if "undefined alias" in problem:
-        return f"broken YAML: {problem}; an anchor '&name' must come before its '*name'."
-    if "expected a single document" in str(error.context):
-        return "a second '---' document; a scenario is one document."
-    return f"broken YAML: {problem}{f' ({error.context})' if error.context else ''}."

@@ -207,8 +207,7 @@ MISTAKEN = {
     "seed": "write --set path.to.key=value.",
     "=3": "write --set path.to.key=value.",
     "seed=": "there is no value behind '='; '~' removes.",
-    "seed=[": "broken YAML: expected the node content, but found '<stream end>' (while parsing a "
-    "flow node).",
+    "seed=[": "the '[' that opens here is never closed; ']' is missing.",
     "components.lfet.rate=5": "there is no component 'lfet'. Did you mean left?",
     "rates.contrl=512": "there is no rate 'contrl'. Did you mean control?",
     "channels.wan.loss=0.1": "there is no channel 'wan'. Did you mean lan?",
