@@ -1,0 +1,174 @@
+"""The library of an FMU: opened once a process, every function that is called typed.
+
+A library is shared by all instances made from it. Arguments are checked against the prototypes
+before native code sees them; what a function returns is handed back, and whoever called judges it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, Protocol
+
+from cosim.base.component import VariableType
+from cosim.base.errors import InputError
+from cosim.master.kernel.native import function_address
+
+OK, WARNING = 0, 1
+"""The statuses with which the standard lets a run go on."""
+
+Prototype = tuple[Any, tuple[Any, ...]]
+"""What a function returns (``None``, a status or a pointer), and its arguments."""
+
+References = ctypes.POINTER(ctypes.c_uint32)
+Texts = ctypes.POINTER(ctypes.c_char_p)
+
+
+class Library:
+    """An opened shared library with the typed functions of one version of FMI."""
+
+    def __init__(self, path: Path, prototypes: Mapping[str, Prototype]) -> None:
+        try:
+            library = ctypes.CDLL(str(path))
+        except OSError as error:
+            raise InputError(f"the library {path.name} cannot be loaded: {error}") from None
+        self.path = path
+        self._functions: dict[str, Any] = {}
+        missing: list[str] = []
+        for name, (result, arguments) in prototypes.items():
+            try:
+                function = library[name]
+            except AttributeError:
+                missing.append(name)
+                continue
+            function.restype, function.argtypes = result, arguments
+            self._functions[name] = function
+        if missing:
+            raise InputError(
+                f"the library {path.name} cannot be loaded: it has no function "
+                f"{' and none '.join(missing)}"
+            )
+
+    def __getitem__(self, function: str) -> Any:
+        """A function by its name in the standard."""
+        return self._functions[function]
+
+    def address(self, function: str) -> int:
+        """Where a function begins, for the kernel."""
+        return function_address(self._functions[function])
+
+
+class Binding(Protocol):
+    """One instance of an FMU behind its library; each call returns the status that came back.
+
+    ``handle`` is the address of the instance, 0 before it is made and after it was freed.
+    """
+
+    handle: int
+
+    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
+        """Make the instance; whether the FMU did."""
+        ...
+
+    def choose_log_categories(self, categories: Sequence[str]) -> int:
+        """Log these categories and no others."""
+        ...
+
+    def set_values(self, kind: VariableType, reference: int, values: Sequence[Any]) -> int:
+        """Set a variable's elements.
+
+        Raises:
+            ValueError: a value does not fit the type.
+        """
+        ...
+
+    def enter_configuration(self) -> int:
+        """Enter configuration mode."""
+        ...
+
+    def exit_configuration(self) -> int:
+        """Leave configuration mode."""
+        ...
+
+    def set_up_experiment(self, stop_time: float) -> int:
+        """Say when the run begins (at 0) and ends (s), where that has a call of its own."""
+        ...
+
+    def enter_initialisation(self, stop_time: float) -> int:
+        """Enter initialisation mode."""
+        ...
+
+    def exit_initialisation(self) -> int:
+        """Leave initialisation mode."""
+        ...
+
+    def asks_to_end(self) -> bool:
+        """Whether a discarded step was discarded because the model has come to its end."""
+        ...
+
+    def do_step_address(self) -> int:
+        """Where the step function begins."""
+        ...
+
+    def accessor_address(self, kind: VariableType, *, is_set: bool) -> int:
+        """Where the set or get function of a type begins."""
+        ...
+
+    def terminate(self) -> int:
+        """End the run."""
+        ...
+
+    def free(self) -> None:
+        """Give the instance back."""
+        ...
+
+
+@cache
+def open_library(path: Path, version: int) -> Library:
+    """The library at ``path``, opened once; it stays loaded, since instances share it.
+
+    Raises:
+        InputError: it cannot be loaded, or lacks a function.
+    """
+    from cosim.master.fmu import fmi2, fmi3
+
+    return Library(path, fmi2.PROTOTYPES if version == 2 else fmi3.PROTOTYPES)
+
+
+def platform_folder(version: int) -> str:
+    """The folder of this machine's libraries below ``binaries``."""
+    machine = platform.machine().lower()
+    names = {"amd64": "x86_64", "x64": "x86_64", "arm64": "aarch64"}
+    architecture = names.get(machine, machine)
+    if version == 3:
+        system = {"win32": "windows"}.get(sys.platform, sys.platform)
+        return f"{architecture}-{system}"
+    return {"win32": "win"}.get(sys.platform, sys.platform) + "64"
+
+
+def library_suffix() -> str:
+    """How shared libraries are called on this machine."""
+    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def whole_or_real(kind: Any, values: Iterable[Any]) -> Any:
+    """A C array of the values, none of them cut off or wrapped round.
+
+    Raises:
+        ValueError: a whole number does not fit.
+    """
+    given = list(values)
+    array = (kind * len(given))(*given)
+    if kind not in {ctypes.c_double, ctypes.c_float} and list(array) != given:
+        raise ValueError("a whole number does not fit")
+    return array
+
+
+def texts(values: Iterable[str]) -> Any:
+    """A C array of texts in UTF-8."""
+    given = [value.encode() for value in values]
+    return (ctypes.c_char_p * len(given))(*given)

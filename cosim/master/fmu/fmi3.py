@@ -1,0 +1,167 @@
+"""FMI 3.0: the functions of a co-simulation FMU that are called, and one instance behind them."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import VariableType
+from cosim.master.fmu.binding import OK, Library, Prototype, References, Texts, texts, whole_or_real
+from cosim.master.kernel.native import function_address, library
+
+TYPES: dict[VariableType, tuple[str, Any]] = {
+    VariableType.FLOAT32: ("Float32", ctypes.c_float),
+    VariableType.FLOAT64: ("Float64", c_double),
+    VariableType.INT8: ("Int8", ctypes.c_int8),
+    VariableType.UINT8: ("UInt8", ctypes.c_uint8),
+    VariableType.INT16: ("Int16", ctypes.c_int16),
+    VariableType.UINT16: ("UInt16", ctypes.c_uint16),
+    VariableType.INT32: ("Int32", ctypes.c_int32),
+    VariableType.UINT32: ("UInt32", ctypes.c_uint32),
+    VariableType.INT64: ("Int64", ctypes.c_int64),
+    VariableType.UINT64: ("UInt64", ctypes.c_uint64),
+    VariableType.ENUMERATION: ("Int64", ctypes.c_int64),
+    VariableType.BOOLEAN: ("Boolean", c_bool),
+    VariableType.STRING: ("String", c_char_p),
+}
+"""How the accessors of a type are called, and what they pass."""
+
+PROTOTYPES: dict[str, Prototype] = {
+    "fmi3SetDebugLogging": (c_int, (c_void_p, c_bool, c_size_t, Texts)),
+    "fmi3InstantiateCoSimulation": (
+        c_void_p,
+        (
+            c_char_p,  # instance name
+            c_char_p,  # instantiation token
+            c_char_p,  # resource path
+            c_bool,  # visible
+            c_bool,  # logging on
+            c_bool,  # event mode used
+            c_bool,  # early return allowed
+            References,  # required intermediate variables
+            c_size_t,
+            c_void_p,  # instance environment
+            c_void_p,  # log message
+            c_void_p,  # intermediate update
+        ),
+    ),
+    "fmi3FreeInstance": (None, (c_void_p,)),
+    "fmi3EnterInitializationMode": (
+        c_int,
+        (c_void_p, c_bool, c_double, c_double, c_bool, c_double),
+    ),
+    "fmi3ExitInitializationMode": (c_int, (c_void_p,)),
+    "fmi3EnterConfigurationMode": (c_int, (c_void_p,)),
+    "fmi3ExitConfigurationMode": (c_int, (c_void_p,)),
+    "fmi3Terminate": (c_int, (c_void_p,)),
+    **{
+        f"fmi3{verb}{name}": (c_int, (c_void_p, References, c_size_t, POINTER(kind), c_size_t))
+        for name, kind in TYPES.values()
+        for verb in ("Get", "Set")
+    },
+    "fmi3DoStep": (
+        c_int,
+        (
+            c_void_p,
+            c_double,
+            c_double,
+            c_bool,
+            POINTER(c_bool),
+            POINTER(c_bool),
+            POINTER(c_bool),
+            POINTER(c_double),
+        ),
+    ),
+}
+
+
+class Fmi3:
+    """One instance; ``environment`` is the address of the log that the kernel writes."""
+
+    def __init__(self, functions: Library, environment: int) -> None:
+        self.handle = 0
+        self._functions = functions
+        self._environment = environment
+
+    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
+        """Make the instance; whether the FMU did. Event mode and early return are not used."""
+        self.handle = (
+            self._functions["fmi3InstantiateCoSimulation"](
+                name.encode(),
+                token.encode(),
+                f"{resources}/".encode(),
+                False,
+                log_all,
+                False,
+                False,
+                None,
+                0,
+                self._environment,
+                function_address(library().kernel_log_fmi3),
+                None,
+            )
+            or 0
+        )
+        return self.handle != 0
+
+    def choose_log_categories(self, categories: Sequence[str]) -> int:
+        """Log these categories and no others."""
+        return self._call("fmi3SetDebugLogging", True, len(categories), texts(categories))
+
+    def set_values(self, kind: VariableType, reference: int, values: Sequence[Any]) -> int:
+        """Set a variable's elements.
+
+        Raises:
+            ValueError: a value does not fit the type.
+        """
+        name, passed = TYPES[kind]
+        array = texts(values) if passed is c_char_p else whole_or_real(passed, values)
+        references = (ctypes.c_uint32 * 1)(reference)
+        return self._call(f"fmi3Set{name}", references, 1, array, len(values))
+
+    def enter_configuration(self) -> int:
+        """Enter configuration mode."""
+        return self._call("fmi3EnterConfigurationMode")
+
+    def exit_configuration(self) -> int:
+        """Leave configuration mode."""
+        return self._call("fmi3ExitConfigurationMode")
+
+    def set_up_experiment(self, stop_time: float) -> int:
+        """FMI 3.0 is told with ``enter_initialisation``."""
+        return OK
+
+    def enter_initialisation(self, stop_time: float) -> int:
+        """Enter initialisation mode for a run from 0 to ``stop_time`` (s)."""
+        return self._call("fmi3EnterInitializationMode", False, 0.0, 0.0, True, stop_time)
+
+    def exit_initialisation(self) -> int:
+        """Leave initialisation mode."""
+        return self._call("fmi3ExitInitializationMode")
+
+    def asks_to_end(self) -> bool:
+        """FMI 3.0 says so with the step itself."""
+        return False
+
+    def do_step_address(self) -> int:
+        """Where the step function begins."""
+        return self._functions.address("fmi3DoStep")
+
+    def accessor_address(self, kind: VariableType, *, is_set: bool) -> int:
+        """Where the set or get function of a type begins."""
+        return self._functions.address(f"fmi3{'Set' if is_set else 'Get'}{TYPES[kind][0]}")
+
+    def terminate(self) -> int:
+        """End the run."""
+        return self._call("fmi3Terminate")
+
+    def free(self) -> None:
+        """Give the instance back."""
+        self._functions["fmi3FreeInstance"](self.handle)
+        self.handle = 0
+
+    def _call(self, function: str, *arguments: Any) -> int:
+        return self._functions[function](self.handle, *arguments)
