@@ -25,16 +25,15 @@ from typing import Any
 import numpy as np
 from host import Host, compare, verdict
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "hil"))
-
-from driver_bench import Bench
-from hil_bench import Puppet, mock
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.master.run.pacing import DeadlinePacer
 from hil.device.component import REST_TICKS
 from hil.device.contract import ZERO
 from hil.device.device import Device
 from hil.realtime.system import clock_nanosleep, prepare_loop
+from tests.support.hil.driver_bench import Bench
+from tests.support.hil.hil_bench import Puppet, mock
 
 TICK = Fraction(1, 1024)
 EMULATOR_PRIORITY = 65

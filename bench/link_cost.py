@@ -26,9 +26,9 @@ from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address, UdpTransport, open_socket
 from cosim.testing.impairment import Impairment
-from tests.link.simulated import Network, SkewedClock
-from tests.link.support import PERIOD, TICK, both_ends
-from tests.link.world import SimulatedStation, run, share_session
+from tests.support.link.simulated import Network, SkewedClock
+from tests.support.link.support import PERIOD, TICK, both_ends
+from tests.support.link.world import SimulatedStation, run, share_session
 
 VALUES = 17
 COUNT = 8000

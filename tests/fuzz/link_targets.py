@@ -22,7 +22,7 @@ from cosim.link.session.meeting import SYNC_INTERVAL, Meeting
 from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
 from tests.fuzz.script import Script, spoil
-from tests.link.support import KEY, TICK, both_ends, make_pair, small_bundle
+from tests.support.link.support import KEY, TICK, both_ends, make_pair, small_bundle
 
 SENDER = ("127.0.0.1", 47000)
 

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference_fmus import build, model_names
 
 from cosim.base.errors import InputError, RunError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import assemble
 from cosim.scenario import load
+from tests.support.peers.reference_fmus import build, model_names
 
 SOURCES = Path(os.environ.get("COHAPTIC_REFERENCE_FMUS", "Reference-FMUs"))
 pytestmark = [

@@ -1,0 +1,12 @@
+"""Fixtures of the link's tests."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.support.link.support import Pair, make_pair
+
+
+@pytest.fixture(name="pair")
+def _pair() -> Pair:
+    return make_pair()

@@ -1,0 +1,59 @@
+"""The wheel is for any platform, brings FMUs and kernel, and works outside the checkout."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from fmus.archive import FLAVOURS
+from fmus.builder import FOLDER
+from fmus.compiler import PLATFORMS
+from tests.support.fmus import fmu_support as support
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    uv = shutil.which("uv")
+    if uv is None:
+        pytest.skip("needs uv")
+    command = [uv, "build", "--wheel", "-o", str(folder), str(FOLDER.parent)]
+    subprocess.run(command, check=True, capture_output=True)
+    return next(folder.glob("*.whl"))
+
+
+def test_it_holds_what_was_compiled_and_no_probes(wheel: Path) -> None:
+    assert wheel.name.endswith("-py3-none-any.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    for model in support.MODELS:
+        for flavour in FLAVOURS:
+            assert f"fmus/_built/{model}.{flavour}.fmu" in names
+    for platform in PLATFORMS:
+        assert any(f"kernel-{platform.name}-" in name for name in names)
+    unwanted = ("fmus/probe", "fmus/_built/development", "fmus/_built/probe")
+    assert not [name for name in names if name.startswith(unwanted)]
+
+
+def test_it_works_outside_the_checkout(wheel: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "site")
+    program = "import fmus; print(fmus.is_checkout(), fmus.find('pantograph', 'fmi2'))"
+    result = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(tmp_path / "site")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    place = tmp_path / "site" / "fmus" / "_built" / "pantograph.fmi2.fmu"
+    assert result.stdout.split() == ["False", str(place)]

@@ -1,0 +1,95 @@
+"""Nothing moves a motor without ``--enable-output`` and a confirmation."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from cosim.base.pulse import Pulse
+from hil.device.contract import Watchdog
+from hil.device.errors import ActivationRefused
+from hil.drivers.mock.driver import MockDevice
+from hil.realtime.session import Session
+from hil.safety.permission import Permission, ask, dead_man, emulated
+from hil.safety.safeguards import check_safeguards
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from tests.support.hil.hil_bench import Puppet, mock
+
+
+def test_a_permission_cannot_be_made_by_hand():
+    with pytest.raises(TypeError):
+        Permission("because")
+
+
+def test_only_the_word_confirms():
+    assert ask("x", [], lambda text: "enable").how == "confirmed at the prompt"
+    for answer in ("", "y", "yes", "Enable", "no"):
+        with pytest.raises(ActivationRefused):
+            ask("x", [], lambda text, answer=answer: answer)
+
+
+def test_the_prompt_shows_every_warning():
+    shown = []
+    ask("x", ["cut the power"], lambda text: shown.append(text) or "enable")
+    assert "cut the power" in shown[0]
+
+
+def test_yes_is_for_proved_emulators():
+    with pytest.raises(ActivationRefused, match="prove"):
+        emulated("haply", "its URL names no emulator")
+    with pytest.raises(ActivationRefused):
+        dead_man("haply", lambda: False)
+
+
+def test_a_session_is_dry_unless_told_otherwise():
+    device = mock(Puppet(), output=False)
+    assert Session().permission(device) is None
+    assert Session(yes=True).permission(device) is None
+    assert Session(enable_output=True, yes=True).permission(device) is not None
+
+
+class Real(MockDevice):
+    """As if it were hardware."""
+
+    driver = "mock"
+    in_process = False
+    watchdog = Watchdog()
+
+
+def real(url="mock:///dev/ttyACM0", file=None, **options):
+    permission = ask("x", [], lambda text: "enable")
+    return Real(
+        parse(url), parse_file({"driver": "mock", **(file or {})}), permission=permission, **options
+    )
+
+
+def test_yes_does_not_do_for_hardware():
+    with pytest.raises(ActivationRefused, match="prove"):
+        Session(enable_output=True, yes=True).permission(real())
+
+
+def test_hardware_without_watchdog_needs_a_supervisor_and_a_switch():
+    with pytest.raises(ActivationRefused, match="--realtime"):
+        check_safeguards(real())
+    with pytest.raises(ActivationRefused, match="estop: confirmed"):
+        check_safeguards(real(pulse=Pulse()))
+    check_safeguards(real(pulse=Pulse(), file={"estop": "confirmed"}))
+
+
+def test_a_network_is_no_place_for_a_motor():
+    with pytest.raises(ActivationRefused, match="network"):
+        check_safeguards(real("mock+socket://host:1", pulse=Pulse(), file={"estop": "confirmed"}))
+
+
+def test_another_thread_in_the_process_is_refused():
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        with pytest.raises(ActivationRefused, match="thread"):
+            check_safeguards(real(pulse=Pulse(), file={"estop": "confirmed"}))
+    finally:
+        done.set()
+        thread.join()

@@ -1,0 +1,107 @@
+"""Every statement of chapter 8 is decided by a measurement, and none is contradicted.
+
+The measured forces are also held against a computation that knows nothing of the product.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cosim.analysis import load_tuned
+from cosim.scenario import load
+from cosim.session import run_scenario
+from cosim.thesis.experiments import run_one
+from cosim.thesis.figures import FIGURES, draw_figures
+from cosim.thesis.page import write_page
+from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, decide
+from tests.support.thesis.single_axis import net_force_amplitude
+
+NET_FORCE = "vr_a.finger_1.normal_force - vr_b.finger_1.normal_force"
+
+
+def entry(summary, target, label):
+    return next(
+        one for one in summary["expectations"] if one["target"] == target and one["label"] == label
+    )
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("thesis")
+    return {name: run_one(name, f"thesis/{name}", (), folder / name) for name in EXPERIMENTS}
+
+
+@pytest.fixture(scope="module")
+def summaries(runs):
+    return {name: ran.summary for name, ran in runs.items()}
+
+
+@pytest.mark.timeout(600)
+def test_every_statement_is_agreed_with(summaries):
+    decided = decide(summaries, {})
+    assert {item.statement.name: item.verdict for item in decided} == {
+        statement.name: "agree" for statement in STATEMENTS
+    }
+
+
+@pytest.mark.parametrize(
+    ("scenario", "label", "compensation"),
+    [
+        ("free_motion", "uncompensated", 0.0),
+        ("free_motion_compensated", "compensated", -1.8441),
+        ("free_motion_printed", "printed", -0.88),
+    ],
+)
+def test_the_net_force_is_that_of_an_independent_computation(
+    summaries, scenario, label, compensation
+):
+    measured = entry(summaries[scenario], NET_FORCE, label)["measured"]
+    assert measured == pytest.approx(net_force_amplitude(1, compensation), rel=0.1)
+
+
+@pytest.mark.parametrize(("round_trip", "null"), [(0, -0.8773), (2, -2.8109)])
+def test_other_delays_agree_with_it_too(tmp_path: Path, round_trip, null):
+    for label, choice, compensation in (("uncompensated", "~", 0.0), ("auto", "auto", null)):
+        sets = [f"channels.lan.round_trip_delay={round_trip}"]
+        if choice == "auto":
+            sets += [f"components.vr_{name}.parameters.compensation=auto" for name in "ab"]
+        summary = run_scenario(
+            load_tuned("thesis/free_motion", (), sets), tmp_path / label, figure=False
+        ).summary.content
+        measured = entry(summary, NET_FORCE, "uncompensated")["measured"]
+        assert measured == pytest.approx(net_force_amplitude(round_trip, compensation), rel=0.1)
+
+
+def test_the_page_shows_every_statement_measurement_and_figure(runs, summaries, tmp_path: Path):
+    figures = {name: tmp_path / file for name, file in draw_figures(runs, tmp_path).items()}
+    assert set(figures) == set(FIGURES)
+    write_page(tmp_path / "thesis.html", decide(summaries, {}), runs, figures)
+    page = (tmp_path / "thesis.html").read_text(encoding="utf-8")
+    assert page.count("<article") == len(STATEMENTS)
+    assert page.count("data:image/png") == len(FIGURES)
+    assert "not measured" not in page
+
+
+def test_each_piece_of_evidence_is_an_expectation_of_its_scenario():
+    for statement in STATEMENTS:
+        for evidence in statement.evidence:
+            expected = load(f"thesis/{evidence.scenario}").expect
+            assert any(evidence.label in windows for windows in expected.values()), evidence
+
+
+def test_a_statement_without_a_run_is_not_decided_and_one_that_fails_is_disagreed_with():
+    assert {item.verdict for item in decide({}, {})} == {"cannot be decided"}
+    failing = {
+        name: {
+            "expectations": [
+                {"label": evidence.label, "measured": 1.0, "passed": False}
+                for statement in STATEMENTS
+                for evidence in statement.evidence
+                if evidence.scenario == name
+            ]
+        }
+        for name in EXPERIMENTS
+    }
+    assert {item.verdict for item in decide(failing, {})} == {"disagree"}

@@ -1,0 +1,3 @@
+"""The fixtures of ``tests.support.scenario``."""
+
+from tests.support.scenario.fixtures import *  # noqa: F403
