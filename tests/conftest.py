@@ -6,7 +6,12 @@ that is merely busy. ``--hypothesis-profile=search`` draws at random, and more o
 
 from __future__ import annotations
 
+import signal
+
 from hypothesis import HealthCheck, settings
+
+# A shell starts background jobs with Ctrl-C ignored, and so would everything that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile(
     "repeatable",

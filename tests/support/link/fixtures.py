@@ -7,6 +7,6 @@ import pytest
 from tests.support.link.support import Pair, make_pair
 
 
-@pytest.fixture(name="pair")
-def _pair() -> Pair:
+@pytest.fixture
+def pair() -> Pair:
     return make_pair()

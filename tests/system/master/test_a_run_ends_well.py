@@ -18,7 +18,7 @@ def test_ctrl_c_ends_the_run_between_two_ticks_and_keeps_the_rows(tmp_path: Path
     written = {
         "duration": 10,
         "components": {
-            "mine": {"python": "master_parts:PressesCtrlC", "rate": 1024},
+            "mine": {"python": "tests.support.master.master_parts:PressesCtrlC", "rate": 1024},
             "hand": {"fmu": "hand", "rate": 512, "start": {"force": 1.0}},
         },
     }

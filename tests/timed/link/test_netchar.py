@@ -29,13 +29,14 @@ from cosim.link.netchar.relay import (
     serve,
 )
 from cosim.link.netchar.search import search_rate
-from cosim.link.netchar.statistics import characterise, fit_bursts
+from cosim.link.netchar.statistics import Characteristics, characterise, fit_bursts
 from cosim.link.session.handshake import MESSAGE_SIZE, RETRY, Handshake
 from cosim.link.wire.packet import Kind, Opener, Sealer
 from cosim.link.wire.transport import Address, open_socket
 from cosim.testing.impairment import Impairer, Impairment, Injected
 from cosim.testing.proxy import Proxy
 from tests.support.link.support import KEY, OTHER_KEY
+from tests.support.machine import timed
 
 LOCAL = Address("127.0.0.1", 0)
 
@@ -155,7 +156,9 @@ def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> Me
 
 
 STALL = 2e-3
-"""A machine that once released a packet so late (s) may as well stall between stamp and sending."""
+"""A machine that wakes a process so late (s) may as well stall between stamp and sending."""
+RELEASED = 1e-3
+"""99 of 100 packets have to leave the proxy within this (s) of their time."""
 
 
 @pytest.mark.slow
@@ -170,37 +173,45 @@ def test_what_a_proxy_did_to_each_packet_is_recovered_through_real_sockets() -> 
         probe.connect(timeout=60.0)
         # Answers to greetings that were sent twice come back in here, if there are any.
         measured_through(proxy, relay, probe, 60)
-        for _ in range(3):
+
+        def attempt(_: int) -> bool | str:
             found = characterise(measured_through(proxy, relay, probe, 900))
             injected = proxy.forward.injected, proxy.backward.injected
             check_losses(found, *injected)
             try:
                 check_recovered(found, *injected, proxy.delays)
-            except AssertionError:
-                if max(proxy.lateness) < STALL:
-                    raise
-            else:
-                return
-    pytest.skip(f"this machine stalls: a release was {max(proxy.lateness):.4f} s late")
+            except AssertionError as error:
+                return f"{error}"
+            return True
+
+        assert timed(attempt, tolerates=STALL)
 
 
 @pytest.mark.slow
 def test_what_was_asked_of_the_proxy_is_recovered_through_real_sockets() -> None:
     """Against the delays drawn: needs a machine that releases a packet in time."""
-    with relay_behind(THERE, BACK) as (address, proxy, relay), open_socket(LOCAL, address) as link:
-        probe = Probe(link, KEY)
-        probe.connect(timeout=60.0)
-        found = characterise(measured_through(proxy, relay, probe, 9000))
-        late = float(np.percentile(proxy.lateness, 99))
+
+    def attempt(_: int) -> tuple[Characteristics, tuple[Injected, Injected], Proxy, float] | str:
+        with (
+            relay_behind(THERE, BACK) as (address, proxy, relay),
+            open_socket(LOCAL, address) as link,
+        ):
+            probe = Probe(link, KEY)
+            probe.connect(timeout=60.0)
+            found = characterise(measured_through(proxy, relay, probe, 9000))
+            late = float(np.percentile(proxy.lateness, 99))
+        if late > RELEASED:
+            return f"packets were released {late:.4f} s late"
+        return found, (proxy.forward.injected, proxy.backward.injected), proxy, late
+
+    found, injected, proxy, late = timed(attempt, tolerates=STALL, attempts=4)
     print(
         f"released late by {np.median(proxy.lateness) * 1e6:.0f} us median, {late * 1e6:.0f} p99; "
         f"round trip {found.round_trip.mean * 1e3:.3f} ms, jitter there "
         f"{found.forward.rms_jitter * 1e3:.3f}, back {found.backward.rms_jitter * 1e3:.3f} ms, "
         f"lost {found.loss.forward} there, {found.loss.backward} back"
     )
-    if late > 1e-3:
-        pytest.skip(f"this machine is too busy to time packets (released {late:.4f} s late)")
-    check_recovered(found, proxy.forward.injected, proxy.backward.injected)
+    check_recovered(found, *injected)
 
 
 class FirstOnly:

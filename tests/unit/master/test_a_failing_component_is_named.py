@@ -14,6 +14,8 @@ from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import Simulation, assemble
 from tests.support.master.master_support import scenario_of
 
+PARTS = "tests.support.master.master_parts"
+
 
 def failing(flavour: str, kind: str, at: int = 100) -> dict[str, Any]:
     probe = str(fmus.probe.find("probe_failure", flavour))
@@ -62,7 +64,7 @@ def test_an_integer_that_does_not_fit(tmp_path: Path) -> None:
     written = {
         "duration": 1,
         "components": {
-            "source": {"python": "master_parts:Growing", "rate": 1024},
+            "source": {"python": f"{PARTS}:Growing", "rate": 1024},
             "narrow": {"fmu": probe, "rate": 1024},
         },
         "connections": ["source.value -> narrow.integer_in"],
@@ -76,7 +78,12 @@ def test_an_integer_that_does_not_fit(tmp_path: Path) -> None:
 def test_a_python_component(tmp_path: Path, method: str) -> None:
     written = {
         "duration": 1,
-        "components": {"mine": {"python": f"master_parts:FailsIn{method.title()}", "rate": 1024}},
+        "components": {
+            "mine": {
+                "python": f"{PARTS}:FailsIn{method.title()}",
+                "rate": 1024,
+            }
+        },
     }
     said, sink, _ = fail(tmp_path, written)
     assert said.startswith(f"mine failed in {method} at tick 7 (0.00683594 s): ZeroDivisionError")
@@ -88,6 +95,9 @@ def test_every_component_is_closed_after_a_failure(tmp_path: Path) -> None:
 
     master_parts.Growing.closed = 0
     written = failing("fmi3", "error")
-    written["components"]["mine"] = {"python": "master_parts:Growing", "rate": 1024}
+    written["components"]["mine"] = {
+        "python": f"{PARTS}:Growing",
+        "rate": 1024,
+    }
     fail(tmp_path, written)
     assert master_parts.Growing.closed == 1

@@ -22,7 +22,7 @@ def test_a_coupler_in_python_gives_the_bits_of_the_fmu(tmp_path: Path) -> None:
     more = {
         "components": {
             name: {
-                "python": "master_parts:Spring",
+                "python": "tests.support.master.master_parts:Spring",
                 "parameters": {"stiffness": gains[gain], "damping": 10.0},
             }
             for name, gain in (("coupler_11", "k_own"), ("coupler_o2", "k_o"))
@@ -35,7 +35,7 @@ def test_a_coupler_in_python_gives_the_bits_of_the_fmu(tmp_path: Path) -> None:
 
 
 def test_its_seed_follows_from_its_name_alone(tmp_path: Path) -> None:
-    part = {"python": "master_parts:Growing", "rate": 1024}
+    part = {"python": "tests.support.master.master_parts:Growing", "rate": 1024}
     seeds = []
     for names in (("x", "y"), ("y", "x", "z")):
         written = {"duration": 0.01, "seed": 5, "components": dict.fromkeys(names, part)}
@@ -48,9 +48,9 @@ def test_its_seed_follows_from_its_name_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
-        ("master_parts:Sprin", "Did you mean Spring?"),
+        ("tests.support.master.master_parts:Sprin", "Did you mean Spring?"),
         ("no_such_module:Spring", "cannot be imported"),
-        ("master_parts:Setup", "not a subclass"),
+        ("tests.support.master.master_parts:Setup", "not a subclass"),
     ],
 )
 def test_a_class_that_cannot_be_used(tmp_path: Path, source: str, sentence: str) -> None:

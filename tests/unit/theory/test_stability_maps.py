@@ -123,7 +123,7 @@ def test_no_cell_of_a_full_figure_differs(figure: StabilityFigure, n: int) -> No
             held=[(p["k_2"], 10.0)],
             **common,
         )
-        client = hand_alone(0.1, 0.0, 1 / 1024)
+        client = hand_alone(0.1, 0.0, period=1 / 1024)
         sent = np.stack(np.broadcast_arrays(p["k_2"], 10.0), axis=-1)[..., None, :]
         ends = resampled(server, server.C), resampled(client, sent)
     else:
