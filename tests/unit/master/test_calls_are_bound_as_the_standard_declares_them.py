@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from master_support import scenario_of
 
 import fmus
 from cosim.base.component import VariableType
@@ -21,6 +20,7 @@ from cosim.master.fmu.description import read_description
 from cosim.master.fmu.instance import Fmu, find_binary
 from cosim.master.kernel.build import find_kernel
 from cosim.master.run.simulation import assemble
+from tests.support.master.master_support import scenario_of
 
 HEADERS = Path(fmus.__file__).parent / "fmi" / "headers"
 PROTOTYPES = {2: fmi2.PROTOTYPES, 3: fmi3.PROTOTYPES}

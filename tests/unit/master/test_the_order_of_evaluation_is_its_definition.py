@@ -13,7 +13,7 @@ import scenarios
 from cosim.analysis import load_tuned
 from cosim.master.assembly.assemble import put_together
 from cosim.master.assembly.ordering import Atom, Graph, Stage, Unit, order
-from tests.master.ordering_by_scanning import order_by_scanning
+from tests.support.master.ordering_by_scanning import order_by_scanning
 
 GRAPHS = 12_000
 SCENARIOS = Path(scenarios.__file__).parent
