@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
-import numpy as np
-
-from cosim.scenario import Bernoulli, Direction, Scenario
+from cosim.scenario import Direction, Scenario
+from cosim.scenario.describe import average
 from cosim.theory.chance.network import Network
 
 
@@ -33,21 +33,5 @@ def network_of(scenario: Scenario) -> Network | None:
 def _facts(way: Direction, base_rate: Fraction) -> tuple[float, float, float]:
     """Mean delay (s), RMS jitter (s) and probability of loss of one direction."""
     tick = float(1 / base_rate)
-    if way.trace is not None:
-        fates = np.array(way.trace, dtype=np.float64)
-        came = fates[fates >= 0.0]
-        if not len(came):
-            return 0.0, 0.0, 1.0
-        return float(came.mean()) * tick, float(came.std()) * tick, 1.0 - len(came) / len(fates)
-    extra = np.arange(len(way.jitter.weights)) * way.jitter.step
-    weights = np.array(way.jitter.weights)
-    mean = float(extra @ weights)
-    spread = float(np.sqrt((extra - mean) ** 2 @ weights))
-    loss = way.loss
-    if isinstance(loss, Bernoulli):
-        lost = loss.probability
-    else:
-        moves = loss.good_to_bad + loss.bad_to_good
-        bad = loss.good_to_bad / moves if moves > 0.0 else 0.0
-        lost = bad * loss.loss_bad + (1.0 - bad) * loss.loss_good
-    return (way.delay.ticks + mean) * tick, spread * tick, lost
+    found = average(way)
+    return found.delay * tick, math.sqrt(found.variance) * tick, found.lost

@@ -219,7 +219,7 @@ class _Parts:
         samples = -(-way.delay.ticks // period)
         if samples * period != way.delay.ticks:
             _note(notes, f"A delay of {way.delay.ticks} ticks is taken as {samples} samples.")
-        if way.is_random or way.trace is not None:
+        if way.impairments:
             _note(notes, WITHOUT_CHANCE)
         return samples
 

@@ -45,6 +45,15 @@ def top_bits(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return values >> np.uint64(11)
 
 
+def happens(
+    key: int, purpose: int, probability: float, first: int, count: int
+) -> NDArray[np.bool_]:
+    """Whether something of this probability happens at each counter, shape (count,)."""
+    if probability <= 0:
+        return np.zeros(count, dtype=np.bool_)
+    return top_bits(draws(key, purpose, first, count)) < thresholds([probability])[0]
+
+
 def _mix(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
     values = (values ^ (values >> np.uint64(30))) * _FIRST
     values = (values ^ (values >> np.uint64(27))) * _SECOND

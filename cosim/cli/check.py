@@ -120,7 +120,7 @@ def _text(report: dict[str, Any]) -> str:
         for name, part in report["components"].items()
     ]
     channels = [
-        [name, f"{source} -> {target}", f"{channel['rate']:g} Hz", _direction(channel[way])]
+        [name, f"{source} -> {target}", f"{channel['rate']:g} Hz", channel[way]["sentence"]]
         for name, channel in report["channels"].items()
         for way, (source, target) in (
             ("forward", channel["between"]),
@@ -151,19 +151,6 @@ def _text(report: dict[str, Any]) -> str:
     for title, sentences in told:
         lines += ["", title, *(f"  {s}" for s in report[sentences])] if report[sentences] else []
     return "\n".join(lines)
-
-
-def _direction(way: dict[str, Any]) -> str:
-    samples = way["delay"]["samples"]
-    delay = _ticks(way["delay"]["ticks"])
-    written = f" ({samples} sample{'s' if samples > 1 else ''})" if samples else ""
-    parts = [f"delay {delay}{written}"]
-    if way["trace"] is not None:
-        parts = [f"trace of {way['trace']} packets"]
-    parts += [f"jitter up to {_ticks(way['jitter'])}"] if way["jitter"] else []
-    for fate in ("loss", "reorder", "duplication"):
-        parts += [f"{fate} {way[fate]:.3g}"] if way[fate] else []
-    return ", ".join(parts)
 
 
 def _ticks(count: int) -> str:

@@ -7,36 +7,26 @@ from __future__ import annotations
 
 from cosim.scenario.load import load
 from cosim.scenario.model import (
-    Bernoulli,
     Channel,
     Component,
     Connection,
     Delay,
     Direction,
-    Duplication,
-    GilbertElliott,
-    Jitter,
     Kind,
     Record,
     Reference,
-    Reorder,
     Scenario,
 )
 
 __all__ = [
-    "Bernoulli",
     "Channel",
     "Component",
     "Connection",
     "Delay",
     "Direction",
-    "Duplication",
-    "GilbertElliott",
-    "Jitter",
     "Kind",
     "Record",
     "Reference",
-    "Reorder",
     "Scenario",
     "load",
 ]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+from cosim.scenario.impairments.effect import Average
+from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (
-    Bernoulli,
     Channel,
     Component,
     Connection,
@@ -65,22 +66,34 @@ def _channel(channel: Channel) -> dict[str, Any]:
 
 
 def _direction(way: Direction) -> dict[str, Any]:
-    loss = way.loss
-    if isinstance(loss, Bernoulli):
-        mean = loss.probability
-    else:
-        bad = loss.good_to_bad / (loss.good_to_bad + loss.bad_to_good)
-        mean = (1.0 - bad) * loss.loss_good + bad * loss.loss_bad
-    if way.trace is not None:
-        mean = sum(ticks < 0 for ticks in way.trace) / len(way.trace)
+    effects = {name: way.impairments.get(name) for name in impairments()}
+    values = {
+        name: impairments()[name].absent if effect is None else effect.describe()
+        for name, effect in effects.items()
+    }
+    sentences = [effect.sentence() for effect in effects.values() if effect is not None]
+    replaced = any(impairments()[name].replaces for name in way.impairments)
     return {
         "delay": _delay(way.delay),
-        "jitter": (len(way.jitter.weights) - 1) * way.jitter.step,
-        "loss": mean,
-        "reorder": way.reorder.probability,
-        "duplication": way.duplication.probability,
-        "trace": None if way.trace is None else len(way.trace),
+        **values,
+        "lost": average(way).lost,
+        "sentence": ", ".join(sentences if replaced else [_delay_sentence(way.delay), *sentences]),
     }
+
+
+def average(way: Direction) -> Average:
+    """Mean and variance (ticks) of the delay of one direction, and how much of it is lost."""
+    found = Average(float(way.delay.ticks), 0.0, 0.0)
+    for effect in sorted(way.impairments.values(), key=lambda effect: effect.order):
+        found = effect.average(found)
+    return found
+
+
+def _delay_sentence(delay: Delay) -> str:
+    ticks = f"delay {delay.ticks} tick{'' if delay.ticks == 1 else 's'}"
+    if not delay.samples:
+        return ticks
+    return f"{ticks} ({delay.samples} sample{'s' if delay.samples > 1 else ''})"
 
 
 def _delay(delay: Delay) -> dict[str, Any]:

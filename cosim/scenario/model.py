@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 from cosim.base.errors import Location
 from cosim.base.node import Node, PathKey
+from cosim.scenario.impairments.effect import Effect
 
 Value = float | int | bool | str | tuple[Any, ...]
 """A parameter or start value: a scalar, or a tuple (of tuples) for an array."""
@@ -75,80 +76,12 @@ class Delay:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Jitter:
-    """Extra delay drawn for each packet: ``i * step`` ticks with probability ``weights[i]``.
-
-    No jitter is ``weights == (1.0,)``; the weights sum to one.
-    """
-
-    step: int = 1
-    weights: tuple[float, ...] = (1.0,)
-
-    @staticmethod
-    def uniform(most: int) -> tuple[float, ...]:
-        """Equal weights of 0 to ``most`` steps."""
-        return (1.0 / (most + 1),) * (most + 1)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bernoulli:
-    """Each packet is lost with probability ``probability``, independently."""
-
-    model: Literal["bernoulli"] = "bernoulli"
-    probability: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GilbertElliott:
-    """Bursty loss: a two-state Markov chain that moves once a packet, each state with its own loss.
-
-    The chain starts in its stationary distribution. Source: Gilbert (1960), Elliott (1963).
-    """
-
-    model: Literal["gilbert_elliott"] = "gilbert_elliott"
-    good_to_bad: float
-    bad_to_good: float
-    loss_good: float = 0.0
-    loss_bad: float = 1.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reorder:
-    """With ``probability`` a packet is held back ``ticks`` longer, so that later ones pass it."""
-
-    probability: float = 0.0
-    ticks: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Duplication:
-    """With ``probability`` a packet arrives a second time, ``ticks`` after the first."""
-
-    probability: float = 0.0
-    ticks: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Direction:
     """What happens to the packets of one direction of a channel; draws are per packet."""
 
     delay: Delay = Delay()
-    jitter: Jitter = Jitter()
-    loss: Bernoulli | GilbertElliott = Bernoulli()
-    reorder: Reorder = Reorder()
-    duplication: Duplication = Duplication()
-    trace: tuple[int, ...] | None = None
-    """Recorded fate of each packet in order, repeated when it ends: delay in ticks, -1 lost. It
-    stands in place of delay, jitter and loss."""
-    trace_file: Path | None = field(default=None, compare=False)
-    """Where the trace was read from, if it was a file."""
-
-    @property
-    def is_random(self) -> bool:
-        """Whether anything is drawn for a packet."""
-        lossy = not (isinstance(self.loss, Bernoulli) and self.loss.probability == 0.0)
-        late = self.reorder.probability > 0.0 or self.duplication.probability > 0.0
-        return len(self.jitter.weights) > 1 or lossy or late
+    impairments: Mapping[str, Effect] = field(default_factory=dict[str, Effect])
+    """What is drawn or repeated for each packet, by the key it is written under."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

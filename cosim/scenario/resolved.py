@@ -8,18 +8,16 @@ from typing import Any, cast
 
 from cosim.base.quantity import format_exact
 from cosim.base.yaml_writer import write_yaml
+from cosim.scenario.impairments.impairment import Impairment
+from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (
-    Bernoulli,
     Channel,
     Component,
     Connection,
     Delay,
     Direction,
-    Duplication,
-    Jitter,
     Kind,
     Record,
-    Reorder,
     Scenario,
 )
 
@@ -80,17 +78,25 @@ def _channel(channel: Channel) -> dict[str, Any]:
         "between": list(channel.between),
         "rate": channel.rate_name or _exact(channel.rate),
     }
-    if all(way.trace is None for way in ways.values()):
+    kinds = impairments()
+    replaced = {
+        key for way in ways.values() for name in way.impairments for key in kinds[name].replaces
+    }
+    if "delay" not in replaced:
         written["delay"] = {name: _delay(way.delay) for name, way in ways.items()}
-        written["jitter"] = {name: _jitter(way.jitter, channel) for name, way in ways.items()}
-        written["loss"] = {name: _loss(way) for name, way in ways.items()}
-    else:
-        written["trace"] = {n: _trace(way) for n, way in ways.items() if way.trace is not None}
-    written["reorder"] = {name: _late(way.reorder) for name, way in ways.items()}
-    written["duplication"] = {name: _late(way.duplication) for name, way in ways.items()}
+    for key, kind in kinds.items():
+        by_way = {name: _effect(way, kind, channel) for name, way in ways.items()}
+        known = {name: effect for name, effect in by_way.items() if effect is not None}
+        if known and key not in replaced:
+            written[key] = known
     if channel.options:
         written["link"] = _plain(channel.options)
     return written
+
+
+def _effect(way: Direction, kind: Impairment, channel: Channel) -> Any:
+    effect = way.impairments.get(kind.name)
+    return kind.absent if effect is None else effect.write(channel.period)
 
 
 def _connection(connection: Connection) -> str | dict[str, Any]:
@@ -127,39 +133,6 @@ def _delay(delay: Delay) -> int | str:
 
 def _ticks(ticks: int) -> str:
     return "1 tick" if ticks == 1 else f"{ticks} ticks"
-
-
-def _jitter(jitter: Jitter, channel: Channel) -> int | str | dict[str, Any]:
-    most = len(jitter.weights) - 1
-    if jitter.weights == Jitter.uniform(most):
-        if most == 0 or jitter.step == channel.period:
-            return most
-        if jitter.step == 1:
-            return _ticks(most)
-    return {"weights": list(jitter.weights), "step": _ticks(jitter.step)}
-
-
-def _loss(way: Direction) -> float | dict[str, float]:
-    if isinstance(way.loss, Bernoulli):
-        return way.loss.probability
-    return {
-        "good_to_bad": way.loss.good_to_bad,
-        "bad_to_good": way.loss.bad_to_good,
-        "loss_good": way.loss.loss_good,
-        "loss_bad": way.loss.loss_bad,
-    }
-
-
-def _late(late: Reorder | Duplication) -> float | dict[str, Any]:
-    if not late.probability:
-        return 0.0
-    return {"probability": late.probability, "by": _ticks(late.ticks)}
-
-
-def _trace(way: Direction) -> str | list[str]:
-    if way.trace_file is not None:
-        return str(way.trace_file)
-    return ["lost" if ticks < 0 else _ticks(ticks) for ticks in way.trace or (0,)]
 
 
 def _plain(value: Any) -> Any:

@@ -12,8 +12,8 @@ from cosim.scenario.build.channel import ChannelProblem, directions
 from cosim.scenario.build.component import build_component
 from cosim.scenario.build.connection import build_connection, check_signal
 from cosim.scenario.build.context import Context
-from cosim.scenario.form.document import Document
 from cosim.scenario.source.notation import components_in
+from cosim.scenario.form.document import document_form
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
 from cosim.base.problems import Problems
 from cosim.base.node import Node, PathKey
@@ -38,7 +38,7 @@ def build(root: Node, file: Path) -> Scenario:
     assert isinstance(root.value, dict)
     members = {key: node for key, node in root.value.items() if not key.startswith("x-")}
     root = Node(members, root.place, root.key_place, root.removed)
-    problems = Problems(root, Document, "the scenario")
+    problems = Problems(root, document_form(), "the scenario")
     context = _validate(root, problems)
     document = context.document
     timebase = _timebase(context)
@@ -82,7 +82,7 @@ def _validate(root: Node, problems: Problems) -> Context:
     while True:
         plain, kept = _without(root.plain(), dropped)
         try:
-            document = Document.model_validate(plain)
+            document = document_form().model_validate(plain)
             return Context(
                 root=root, problems=problems, document=document, kept=kept, doubtful=reported
             )

@@ -5,6 +5,7 @@ This is the form after includes, overlays and overrides; ``cosim.scenario.build`
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -15,12 +16,14 @@ from pydantic import (
     PlainValidator,
     Tag,
     WithJsonSchema,
+    create_model,
     model_validator,
 )
 
 from cosim.base.form import Form, problem
 from cosim.base.problems import describe
-from cosim.scenario.form.channel import ChannelForm, mapping_tag
+from cosim.scenario.form.both import mapping_tag
+from cosim.scenario.form.channel import ChannelForm, channel_form
 from cosim.scenario.form.fields import (
     Delay,
     Given,
@@ -184,9 +187,22 @@ class Document(Form):
     link: dict[str, Any] = Field(default_factory=dict, description="Settings of the UDP link.")
 
 
+@cache
+def document_form() -> type[Document]:
+    """The document with a key for every impairment in its channels."""
+    channels: Any = dict.__class_getitem__((Name, channel_form()))
+    description = Document.model_fields["channels"].description
+    return create_model(
+        "Document",
+        __base__=Document,
+        __doc__=Document.__doc__,
+        channels=(channels, Field(default_factory=dict, description=description)),
+    )
+
+
 def json_schema() -> dict[str, Any]:
     """The JSON schema of a scenario file, with what editors need besides the document itself."""
-    schema = Document.model_json_schema(by_alias=True)
+    schema = document_form().model_json_schema(by_alias=True)
     include: dict[str, Any] = {
         "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]
     }

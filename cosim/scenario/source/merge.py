@@ -23,15 +23,6 @@ KINDS = ("fmu", "python", "device", "playback")
 KIND_KEYS = (*KINDS, "parameters", "start", "flavour", "substeps", "feedthrough", "of")
 """What a component loses when its kind changes; station and rate stay."""
 
-DELAY_FORMS = ("delay", "round_trip_delay", "each_way_delay")
-"""The three ways to give a channel's delay; exactly one of them."""
-
-TRACED = (*DELAY_FORMS, "jitter", "loss")
-"""What a recorded trace stands in place of."""
-
-IMPAIRMENTS = ("delay", "jitter", "loss", "reorder", "duplication", "trace")
-"""What a channel may say once for both directions or as ``{forward: …, backward: …}``."""
-
 
 def merge(base: Node, over: Node, path: Path = ()) -> Node:
     """``over`` on top of ``base``, both normalised; neither is changed.
@@ -117,14 +108,26 @@ def _without_replaced(base: dict[str, Node], over: dict[str, Node], path: Path) 
         if kinds and not kinds.intersection(base):
             dropped.update(KIND_KEYS)
     if len(path) == 2 and path[0] == "channels":
+        from cosim.scenario.impairments.registry import DELAY_FORMS
+
         form = new.intersection(DELAY_FORMS)
         if form:
             dropped.update(key for key in DELAY_FORMS if key not in form)
-        if "trace" in new:
-            dropped.update(TRACED)
-        elif new.intersection(TRACED):
-            dropped.add("trace")
+        dropped.update(_replaced(new))
     return {key: node for key, node in base.items() if key not in dropped}
+
+
+def _replaced(new: set[str]) -> set[str]:
+    """The keys of a channel that those of ``new`` stand in place of, or that stood in theirs."""
+    from cosim.scenario.impairments.registry import impairments, replaced_by
+
+    dropped: set[str] = set()
+    for name in impairments():
+        if name in new:
+            dropped.update(replaced_by(name))
+        elif new.intersection(replaced_by(name)):
+            dropped.add(name)
+    return dropped
 
 
 def _is_directional(base: Node, over: Node) -> bool:

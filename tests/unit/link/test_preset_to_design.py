@@ -14,6 +14,7 @@ from cosim.link.netchar.preset import channel_preset
 from cosim.link.netchar.probe import Measurement
 from cosim.link.netchar.statistics import characterise
 from cosim.scenario import load
+from cosim.scenario.describe import average
 from cosim.testing.impairment import Impairer, Impairment
 from cosim.theory.chance.network import Network
 
@@ -80,13 +81,11 @@ def test_the_preset_says_what_was_measured(folder: Path) -> None:
         (channel.forward, 5.5, 1.0, 0.02),
         (channel.backward, 5.5, 0.5, 0.01),
     ):
-        weights = np.array(way.jitter.weights)
-        extra = np.arange(len(weights)) * way.jitter.step
-        average = extra @ weights
+        found = average(way)
         # Times are rounded up to ticks of a millisecond.
-        assert mean - 0.2 <= (way.delay.ticks + average) * tick <= mean + 1.5
-        assert np.sqrt((extra - average) ** 2 @ weights) * tick == pytest.approx(jitter, abs=0.5)
-        assert way.loss.probability == pytest.approx(loss, abs=0.006)
+        assert mean - 0.2 <= found.delay * tick <= mean + 1.5
+        assert np.sqrt(found.variance) * tick == pytest.approx(jitter, abs=0.5)
+        assert found.lost == pytest.approx(loss, abs=0.006)
 
 
 def test_a_scenario_runs_over_the_measured_network_with_gains_designed_for_it(folder) -> None:

@@ -12,65 +12,41 @@ from hypothesis import strategies as st
 import fmus.probe
 from cosim.base.counter import draws, stream_key
 from cosim.master.channels.fates import LOST, NO_COPY, Fates
-from cosim.scenario import (
-    Bernoulli,
-    Delay,
-    Direction,
-    Duplication,
-    GilbertElliott,
-    Jitter,
-    Reorder,
-)
+from cosim.scenario import Delay, Direction
+from cosim.scenario.impairments.duplication import Duplication
+from cosim.scenario.impairments.jitter import Jitter
+from cosim.scenario.impairments.late import Late
+from cosim.scenario.impairments.loss import Bernoulli, GilbertElliott
+from cosim.scenario.impairments.reorder import Reorder
 from tests.support.master.master_support import run, scenario_of
 
 SEND = 8
 """Ticks between packets."""
 
 directions = st.builds(
-    Direction,
+    lambda delay, **effects: Direction(
+        delay=delay, impairments={name: e for name, e in effects.items() if e is not None}
+    ),
     delay=st.builds(Delay, ticks=st.integers(0, 30), samples=st.none()),
     jitter=st.sampled_from(
-        [Jitter(), Jitter(step=1, weights=(0.5, 0.3, 0.2)), Jitter(step=8, weights=(0.2,) * 5)]
+        [None, Jitter(step=1, weights=(0.5, 0.3, 0.2)), Jitter(step=8, weights=(0.2,) * 5)]
     ),
     loss=st.sampled_from(
         [
-            Bernoulli(),
+            None,
             Bernoulli(probability=0.3),
             GilbertElliott(good_to_bad=0.2, bad_to_good=0.4, loss_bad=0.9),
         ]
     ),
-    reorder=st.sampled_from([Reorder(), Reorder(probability=0.3, ticks=20)]),
-    duplication=st.sampled_from([Duplication(), Duplication(probability=0.4, ticks=3)]),
+    reorder=st.sampled_from([None, Reorder(Late(0.3, 20))]),
+    duplication=st.sampled_from([None, Duplication(Late(0.4, 3))]),
 )
 
 
 def told(direction: Direction) -> dict[str, Any]:
     """The channel's settings in a scenario, the same both ways."""
-    loss: Any = (
-        direction.loss.probability
-        if isinstance(direction.loss, Bernoulli)
-        else {
-            "good_to_bad": direction.loss.good_to_bad,
-            "bad_to_good": direction.loss.bad_to_good,
-            "loss_bad": direction.loss.loss_bad,
-        }
-    )
-    return {
-        "each_way_delay": f"{direction.delay.ticks} ticks",
-        "jitter": {
-            "weights": list(direction.jitter.weights),
-            "step": f"{direction.jitter.step} ticks",
-        },
-        "loss": loss,
-        "reorder": {
-            "probability": direction.reorder.probability,
-            "by": f"{direction.reorder.ticks} ticks",
-        },
-        "duplication": {
-            "probability": direction.duplication.probability,
-            "by": f"{direction.duplication.ticks} ticks",
-        },
-    }
+    effects = {name: effect.write(SEND) for name, effect in direction.impairments.items()}
+    return {"each_way_delay": f"{direction.delay.ticks} ticks", **effects}
 
 
 @settings(
@@ -145,8 +121,10 @@ def test_probabilities_and_jitter_are_met() -> None:
     count = 200_000
     direction = Direction(
         delay=Delay(ticks=4),
-        jitter=Jitter(weights=(0.5, 0.3, 0.2)),
-        loss=Bernoulli(probability=0.1),
+        impairments={
+            "jitter": Jitter(weights=(0.5, 0.3, 0.2)),
+            "loss": Bernoulli(probability=0.1),
+        },
     )
     delays, _ = Fates(direction, stream_key(1, "x")).take(count)
     assert abs(np.mean(delays == LOST) - 0.1) < 0.003
@@ -157,7 +135,7 @@ def test_probabilities_and_jitter_are_met() -> None:
 
 def test_gilbert_elliott_loses_in_bursts() -> None:
     loss = GilbertElliott(good_to_bad=0.05, bad_to_good=0.25)
-    delays, _ = Fates(Direction(loss=loss), stream_key(1, "x")).take(200_000)
+    delays, _ = Fates(Direction(impairments={"loss": loss}), stream_key(1, "x")).take(200_000)
     lost = delays == LOST
     assert abs(lost.mean() - 0.05 / 0.30) < 0.005
     starts = np.count_nonzero(lost[1:] & ~lost[:-1])

@@ -12,9 +12,22 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
-from cosim.scenario import Bernoulli, Channel, GilbertElliott, Jitter, Scenario
+from cosim.scenario import Channel, Direction, Scenario
+from cosim.scenario.describe import average
+from cosim.scenario.impairments.duplication import Duplication
+from cosim.scenario.impairments.jitter import Jitter, uniform
+from cosim.scenario.impairments.late import Late
+from cosim.scenario.impairments.loss import Bernoulli, GilbertElliott
+from cosim.scenario.impairments.reorder import Reorder
+from cosim.scenario.impairments.trace import Trace
 
 Load = Callable[..., Scenario]
+
+
+def jitter_of(way: Direction) -> Jitter:
+    found = way.impairments["jitter"]
+    assert isinstance(found, Jitter)
+    return found
 
 
 @pytest.fixture
@@ -49,21 +62,21 @@ def test_a_time_is_rounded_up_to_ticks_and_is_no_sample_count(
 
 def test_each_direction_may_have_its_own(lan: Callable[[str], Channel]) -> None:
     channel = lan("loss: {forward: 20 %, backward: {good_to_bad: 0.1, bad_to_good: 0.5}}")
-    assert channel.forward.loss == Bernoulli(probability=0.2)
-    assert channel.backward.loss == GilbertElliott(good_to_bad=0.1, bad_to_good=0.5)
-    assert lan("jitter: {forward: 2}").backward.jitter.weights == (1.0,)
+    assert channel.forward.impairments["loss"] == Bernoulli(probability=0.2)
+    assert channel.backward.impairments["loss"] == GilbertElliott(good_to_bad=0.1, bad_to_good=0.5)
+    assert lan("jitter: {forward: 2}").backward.impairments == {}
     assert channel.direction("a", "b") is channel.forward
     assert channel.direction("b", "a") is channel.backward
 
 
 def test_jitter_is_uniform_over_steps(lan: Callable[[str], Channel]) -> None:
-    jitter = lan("jitter: 3").forward.jitter
-    assert (jitter.step, jitter.weights) == (8, Jitter.uniform(3))
-    jitter = lan("jitter: 2.1 ms").forward.jitter
-    assert (jitter.step, jitter.weights) == (1, Jitter.uniform(3))
-    jitter = lan("jitter: {weights: [3, 1]}".replace("3, 1", "0.75, 0.25")).forward.jitter
+    jitter = jitter_of(lan("jitter: 3").forward)
+    assert (jitter.step, jitter.weights) == (8, uniform(3))
+    jitter = jitter_of(lan("jitter: 2.1 ms").forward)
+    assert (jitter.step, jitter.weights) == (1, uniform(3))
+    jitter = jitter_of(lan("jitter: {weights: [3, 1]}".replace("3, 1", "0.75, 0.25")).forward)
     assert (jitter.step, jitter.weights) == (8, (0.75, 0.25))
-    scaled = lan("jitter: {weights: [0.3, 0.1], step: 2 ticks}").forward.jitter
+    scaled = jitter_of(lan("jitter: {weights: [0.3, 0.1], step: 2 ticks}").forward)
     assert scaled.step == 2
     assert scaled.weights == pytest.approx((0.75, 0.25))
 
@@ -77,7 +90,8 @@ def test_jitter_is_uniform_over_steps(lan: Callable[[str], Channel]) -> None:
 def test_jitter_has_the_standard_deviation_asked_for(
     rms: float, lan: Callable[[str], Channel]
 ) -> None:
-    weights = np.array(lan(f"jitter: {{rms: {rms!r}}}").forward.jitter.weights)
+    way = lan(f"jitter: {{rms: {rms!r}}}").forward
+    weights = np.array(jitter_of(way).weights if way.impairments else (1.0,))
     ticks = np.arange(len(weights))
     mean = weights @ ticks
     assert weights.sum() == pytest.approx(1.0, abs=1e-12)
@@ -88,20 +102,38 @@ def test_jitter_has_the_standard_deviation_asked_for(
 
 def test_late_packets_have_their_defaults(lan: Callable[[str], Channel]) -> None:
     channel = lan("reorder: 0.1, duplication: {probability: 5 %, by: 3 ticks}")
-    assert (channel.forward.reorder.probability, channel.forward.reorder.ticks) == (0.1, 16)
-    assert (channel.forward.duplication.probability, channel.forward.duplication.ticks) == (0.05, 3)
-    assert channel.forward.is_random
-    assert not lan("round_trip_delay: 1").forward.is_random
+    assert channel.forward.impairments == {
+        "reorder": Reorder(Late(0.1, 16)),
+        "duplication": Duplication(Late(0.05, 3)),
+    }
+    assert lan("round_trip_delay: 1").forward.impairments == {}
+
+
+@pytest.mark.parametrize(
+    "nothing",
+    [
+        "jitter: 0",
+        "jitter: {rms: 0}",
+        "jitter: {weights: [1.0]}",
+        "loss: 0",
+        "reorder: 0 %",
+        "duplication: {probability: 0, by: 3}",
+    ],
+)
+def test_what_does_nothing_is_no_impairment(nothing: str, lan: Callable[[str], Channel]) -> None:
+    assert lan(nothing).forward.impairments == {}
 
 
 def test_a_trace_is_read_from_a_list_or_a_file(
     lan: Callable[[str], Channel], tmp_path: Path
 ) -> None:
-    assert lan("trace: [0, 1, lost, 2 ticks, 1 ms]").forward.trace == (0, 8, -1, 2, 2)
+    assert lan("trace: [0, 1, lost, 2 ticks, 1 ms]").forward.impairments == {
+        "trace": Trace((0, 8, -1, 2, 2))
+    }
     (tmp_path / "t.txt").write_text("# s\n0.001\n\nlost\n2 ms\n", "utf-8")
     channel = lan("trace: {forward: t.txt}")
-    assert channel.forward.trace == (2, -1, 3)
-    assert channel.backward.trace is None
+    assert channel.forward.impairments == {"trace": Trace((2, -1, 3))}
+    assert channel.backward.impairments == {}
     for text, sentence in {
         "0.001\nlate\n": "t.txt:2:1: 'late' is neither 'lost' nor a delay of 0 to 3600 s.",
         "-1\n": "t.txt:1:1: '-1' is neither 'lost' nor a delay of 0 to 3600 s.",
@@ -121,9 +153,9 @@ def test_the_preset_is_what_the_thesis_measured(lan: Callable[[str], Channel]) -
     assert ticks == 3  # 2.44 ms are 2.5 ticks
     variance = 0.0
     for way in ways:
-        weights = np.array(way.jitter.weights)
+        weights = np.array(jitter_of(way).weights)
         steps = np.arange(len(weights))
         variance += weights @ (steps - weights @ steps) ** 2
     assert sqrt(variance) / 1024 == pytest.approx(0.49e-3, rel=0.01)
-    kept = np.prod([1.0 - way.loss.probability for way in ways])
+    kept = np.prod([1.0 - average(way).lost for way in ways])
     assert 1.0 - kept == pytest.approx(2 / 2.7e6, rel=0.01)

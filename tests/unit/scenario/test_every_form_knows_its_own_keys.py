@@ -10,7 +10,7 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from cosim.base.problems import known_keys
-from cosim.scenario.form.document import Document
+from cosim.scenario.form.document import document_form
 
 CHANNEL: dict[str, Any] = {"between": ["a", "b"]}
 WRITTEN: dict[str, dict[str, Any]] = {
@@ -52,15 +52,15 @@ def test_what_may_be_written_there_is_what_is_known_there(case: str):
     form = innermost({key: written[key] for key in WRITTEN[case]}) if WRITTEN[case] else written
     form["no_such_key"] = 1
     with pytest.raises(ValidationError) as caught:
-        Document.model_validate(written)
+        document_form().model_validate(written)
     (finding,) = (e for e in caught.value.errors() if e["type"] == "extra_forbidden")
-    known = known_keys(Document, finding["loc"])
+    known = known_keys(document_form(), finding["loc"])
     form.pop("no_such_key")
     assert set(form) <= set(known)
     for key in set(known) - set(form) - {"include"}:
         form[key] = object()
         with pytest.raises(ValidationError) as caught:
-            Document.model_validate(written)
+            document_form().model_validate(written)
         assert all(e["type"] != "extra_forbidden" for e in caught.value.errors()), key
         form.pop(key)
 

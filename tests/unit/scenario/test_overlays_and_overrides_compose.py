@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node
 from cosim.scenario import Kind, Scenario
+from cosim.scenario.impairments.loss import Bernoulli
+from cosim.scenario.impairments.trace import Trace
 from cosim.scenario.source.merge import merge, normalise
 from cosim.scenario.source.override import apply_override
 
@@ -180,7 +182,7 @@ def test_a_new_form_of_delay_replaces_the_old_one(small: str, scenario_of: Load)
     ).channels["lan"]
     assert (lan.forward.delay.samples, lan.backward.delay.samples) == (4, 2)
     traced = scenario_of(small, sets=("channels.lan.trace=[1, lost]",)).channels["lan"]
-    assert traced.forward.trace == (8, -1)
+    assert traced.forward.impairments == {"trace": Trace((8, -1))}
     assert traced.forward.delay.ticks == 0
 
 
@@ -247,8 +249,7 @@ def test_fragments_lie_under_the_mapping_that_names_them(
     text = text.replace("rates:", "include: [parts/more.yaml]\nrates:")
     scenario = scenario_of(text)
     lan = scenario.channels["lan"]
-    assert lan.forward.loss.probability == 0.1
-    assert lan.forward.jitter.weights == (1.0,)
+    assert lan.forward.impairments == {"loss": Bernoulli(probability=0.1)}
     assert lan.forward.delay.samples == 2
     assert scenario.components["left"].parameters == {"base_x": 7, "finger.x": 2}
     assert (scenario.title, scenario.seed) == ("Two devices and a network", 5)

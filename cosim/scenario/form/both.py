@@ -1,0 +1,23 @@
+"""What may be written in two ways: once or for each direction, plainly or as a mapping."""
+
+from __future__ import annotations
+
+from typing import Any, Generic, TypeVar
+
+from pydantic import Field
+
+from cosim.base.form import Form
+
+T = TypeVar("T")
+
+
+class Both(Form, Generic[T]):
+    """One value for each direction; forward is from the first end in ``between``."""
+
+    forward: T | None = Field(default=None, description="From the first end of `between`.")
+    backward: T | None = Field(default=None, description="Towards the first end of `between`.")
+
+
+def mapping_tag(value: Any) -> str:
+    """Whether a value is written as a mapping or plainly."""
+    return "mapping" if isinstance(value, dict) else "plain"
