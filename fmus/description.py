@@ -5,8 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
+from cosim.base.units import BASES, parse_unit
 from fmus.layout import Element, Layout, Placed, elements_of
-from fmus.units import base_exponents
 
 LOG_CATEGORIES = {
     "logInfo": "What a model says for information",
@@ -41,6 +41,18 @@ def add_units(parent: ET.Element, layout: Layout) -> None:
     for unit in layout.units:
         exponents = {base: str(power) for base, power in base_exponents(unit).items()}
         add(add(definitions, "Unit", name=unit), "BaseUnit", **exponents)
+
+
+def base_exponents(text: str) -> dict[str, int]:
+    """The exponents of the SI base units (and ``rad``), zeros left out.
+
+    Raises:
+        ValueError: the unit is not known, or has a factor or an offset: models compute in SI units.
+    """
+    unit = parse_unit(text)
+    if unit.exponents is None or not unit.is_coherent:
+        raise ValueError(f"'{text}' is not a coherent SI unit, in which models compute.")
+    return {base: power for base, power in zip(BASES, unit.exponents, strict=True) if power}
 
 
 def add_log_categories(parent: ET.Element) -> None:

@@ -15,7 +15,7 @@ from math import prod
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.base.units import Unit
+from cosim.base.units import Unit, unit_of
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
 _WITHOUT_CELL = {VariableType.STRING, VariableType.BINARY}
@@ -84,9 +84,7 @@ class Interface:
         name = self.variables[variable].unit
         if not name:
             return None
-        from cosim.base.units import parse_unit
-
-        return self.units.get(name) or parse_unit(name)
+        return self.units.get(name) or unit_of(name)
 
     def select(self, path: str) -> Selection:
         """What ``path`` stands for: a variable, an array, a terminal or a dotted group.

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.quantity import QuantityError, quantity
 from cosim.base.suggest import did_you_mean
+from cosim.base.units import Unit, unit_of
 from cosim.master.assembly.interface import size_of, variable_elements
 
 SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
@@ -22,11 +24,13 @@ def resolve_values(
     name: str,
     value: Any,
     allowed: frozenset[Causality],
+    *,
+    units: Mapping[str, Unit] = MappingProxyType({}),
 ) -> dict[str, list[Any]]:
     """The elements that one written value gives, by variable name: numbers, booleans or text.
 
     ``name`` may be an array's base: ``motor_torque`` with a list sets ``motor_torque[1]`` and so
-    on.
+    on. ``units`` are those that the component defines itself, by name.
 
     Raises:
         InputError: no such variable, one that cannot be set, or a value that does not fit.
@@ -34,7 +38,7 @@ def resolve_values(
     variable = variables.get(name)
     if variable is not None:
         _check_causality(component, variable, allowed)
-        return {name: _elements(component, variable, value)}
+        return {name: _elements(component, variable, value, units)}
     parts = sorted(
         (
             variable
@@ -56,7 +60,7 @@ def resolve_values(
             f"{component}.{name} has {len(parts)} elements; give a list of {len(parts)} values"
         )
     return {
-        part.name: _elements(component, part, item)
+        part.name: _elements(component, part, item, units)
         for part, item in zip(parts, values, strict=True)
     }
 
@@ -92,9 +96,11 @@ def _kind(allowed: frozenset[Causality]) -> str:
     return "parameter" if Causality.PARAMETER in allowed else "input, output or local variable"
 
 
-def _elements(component: str, variable: Variable, value: Any) -> list[Any]:
+def _elements(
+    component: str, variable: Variable, value: Any, units: Mapping[str, Unit]
+) -> list[Any]:
     if not variable.shape:
-        return [_convert(component, variable, variable.name, value)]
+        return [_convert(component, variable, variable.name, value, units)]
     values: list[Any] | None = (
         _flat(value)  # pyright: ignore[reportUnknownArgumentType]
         if isinstance(value, (list, tuple))
@@ -106,7 +112,7 @@ def _elements(component: str, variable: Variable, value: Any) -> list[Any]:
             f"{size_of(variable)} values"
         )
     return [
-        _convert(component, variable, name, item)
+        _convert(component, variable, name, item, units)
         for (name, _), item in zip(variable_elements(variable), values, strict=True)
     ]
 
@@ -121,7 +127,9 @@ def _flat(value: Any) -> list[Any]:
     return flat
 
 
-def _convert(component: str, variable: Variable, name: str, value: Any) -> Any:
+def _convert(
+    component: str, variable: Variable, name: str, value: Any, units: Mapping[str, Unit]
+) -> Any:
     kind = variable.type
     where = f"{component}.{name}"
     if kind is VariableType.STRING:
@@ -137,7 +145,8 @@ def _convert(component: str, variable: Variable, name: str, value: Any) -> Any:
     if kind is VariableType.ENUMERATION:
         return _item(where, variable, value)
     if isinstance(value, str):
-        value = _quantity(where, variable, value)
+        unit = variable.unit or "1"
+        value = _quantity(where, units.get(unit) or unit_of(unit), value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{where} is a number, not {value!r}")
     if not kind.is_float and not float(value).is_integer():
@@ -146,10 +155,10 @@ def _convert(component: str, variable: Variable, name: str, value: Any) -> Any:
     return float(value) if kind.is_float else int(value)
 
 
-def _quantity(where: str, variable: Variable, text: str) -> float:
+def _quantity(where: str, unit: Unit, text: str) -> float:
     """``2.44 ms`` in the variable's unit."""
     try:
-        return float(quantity(text, variable.unit or "1"))
+        return float(quantity(text, unit))
     except QuantityError as error:
         raise InputError(f"{where} is a number: {error}") from None
 

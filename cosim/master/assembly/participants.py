@@ -138,7 +138,9 @@ def _values(
     resolved: Values = {}
     for name, value in values.items():
         with problems.at(("components", written.name, section, name)):
-            resolved |= resolve_values(written.name, description.variables, name, value, allowed)
+            resolved |= resolve_values(
+                written.name, description.variables, name, value, allowed, units=description.units
+            )
     return resolved
 
 

@@ -13,7 +13,8 @@ from typing import Any
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
-from cosim.base.units import Unit
+from cosim.base.quantity import exact
+from cosim.base.units import BASES, Unit, unit_of
 from cosim.master.assembly.interface import Interface
 from cosim.master.fmu.archive import sha256_of, unpack
 
@@ -24,7 +25,6 @@ _FMI2_TYPES = {
     "Boolean": VariableType.BOOLEAN,
     "String": VariableType.STRING,
 }
-_EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,9 +233,9 @@ def _terminals(folder: Path, variables: Mapping[str, Variable]) -> dict[str, dic
 def _unit(unit: Any) -> Unit:
     base = unit.baseUnit
     if base is None:
-        return Unit(unit.name, None)
-    exponents = tuple(int(getattr(base, name)) for name in _EXPONENTS)
-    return Unit(unit.name, exponents, float(base.factor), float(base.offset))
+        return unit_of(unit.name)
+    exponents = tuple(int(getattr(base, name)) for name in BASES)
+    return Unit(unit.name, exponents, exact(float(base.factor)), exact(float(base.offset)))
 
 
 def _fixed_step(description: Any) -> Fraction | None:
