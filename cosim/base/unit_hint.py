@@ -44,6 +44,8 @@ def _symbol(symbol: str, is_unit: Callable[[str], bool]) -> str:
         return symbol
     if symbol.casefold() in _SPELT:
         return _SPELT[symbol.casefold()]
+    if symbol[0] == "K" and is_unit(f"k{symbol[1:]}"):
+        return f"k{symbol[1:]}"  # kilo is seldom kelvin
     halves = ((symbol[:end], symbol[end:]) for end in range(len(symbol) - 1, 0, -1))
     glued = next((pair for pair in halves if all(map(is_unit, pair))), None)
     if glued:

@@ -11,14 +11,14 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from master_support import run, scenario_of
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable
 from cosim.base.errors import InputError
 from cosim.base.units import Unit, conversion, parse_unit, symbols, unit_of
 from cosim.master.assembly.parameters import SETTABLE, resolve_values
+from tests.support.master.master_support import run, scenario_of
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SYMBOLS = [symbol for symbol in symbols() if symbol != "1"]
 COMPOUND = ["N.s/m", "kg.m2", "N/(m.s)", "rpm/s", "km/h", "deg/s2", "mN.mm", "s-1", "m^2", "kg·m²"]
 ANOTHER = {"m": "mm", "rad/s": "rpm", "rad": "deg", "K": "degC", "s": "h", "1": "%", "N": "kN"}
