@@ -15,8 +15,9 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, Wit
 from pydantic_core import PydanticCustomError
 
 from cosim.base.node import Node, PathKey
-from cosim.base.problems import Problems, describe
+from cosim.base.problems import Problems, independent
 from cosim.base.quantity import QuantityError, quantity
+from cosim.base.show import describe
 
 _TEXT = r"^\s*[+-]?[0-9.]+([eE][+-]?[0-9]+)?(\s*/\s*[0-9]+)?\s*"
 
@@ -27,6 +28,8 @@ class Form(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
     read_before: ClassVar[tuple[str, ...]] = ()
     """Keys that a form may have in a file, but that its reader has dealt with already."""
+    unknown_in: ClassVar[str] = ""
+    """The member that an unknown key is likely to belong into."""
 
 
 F = TypeVar("F", bound=BaseModel)
@@ -57,7 +60,7 @@ def check_form(
     try:
         return form.model_validate(node.plain())
     except ValidationError as error:
-        for finding in error.errors(include_url=False):
+        for finding in independent(error.errors(include_url=False)):
             problems.add_validation({**finding, "loc": (*path, *finding["loc"])})
         return None
 

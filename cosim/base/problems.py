@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+import re
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from cosim.base.errors import InputError, InputErrors, Location
 from cosim.base.node import Node, PathKey
+from cosim.base.show import describe, truth_hint
 from cosim.base.suggest import did_you_mean
+from cosim.base.typography import odd_characters
 
 
 class Problems:
@@ -29,7 +32,8 @@ class Problems:
     def add(self, path: tuple[PathKey, ...], message: str, *, at_key: bool = False) -> None:
         """Report a problem with the node at ``path``, pointing at its key on request."""
         node, _ = self._root.find(path)
-        self.add_at((at_key and node.key_place) or node.place, message)
+        written = path[-1] if at_key and isinstance(path[-1], str) else node.value
+        self.add_at((at_key and node.key_place) or node.place, _with_oddities(message, written))
 
     def add_at(self, place: Location, message: str) -> None:
         """Report a problem with a place."""
@@ -74,18 +78,32 @@ class Problems:
         kind, context = error["type"], error.get("ctx", {})
         if kind == "extra_forbidden":
             inside = f" in {_dotted(path[:-1])}" if path[:-1] else ""
-            hint = did_you_mean(str(path[-1]), known_keys(self._form, error["loc"]))
-            self.add_at(node.key_place or node.place, f"unknown key '{path[-1]}'{inside}.{hint}")
+            hint = self._key_hint(str(path[-1]), error["loc"])
+            message = _with_oddities(f"unknown key '{path[-1]}'{inside}.{hint}", path[-1])
+            self.add_at(node.key_place or node.place, message)
         elif kind == "missing":
             self.add_at(node.place, f"{where} needs '{error['loc'][-1]}'.")
         elif node.value is None and path:
             self.add_at(node.key_place or node.place, f"{where}: it has no value.")
         elif kind == "sentence":
             at_key = error["loc"][-1:] == ("[key]",) or isinstance(node.value, dict)
-            self.add_at((at_key and node.key_place) or node.place, f"{where}: {error['msg']}")
+            message = _with_oddities(f"{where}: {error['msg']}", error["input"])
+            self.add_at((at_key and node.key_place) or node.place, message)
         else:
             sentence = _sentence(kind, error["input"], context) or f"{error['msg']}."
             self.add_at(node.place, f"{where}: {sentence}")
+
+    def _key_hint(self, key: str, loc: tuple[PathKey, ...]) -> str:
+        hint = did_you_mean(key, known_keys(self._form, loc))
+        inner = next(
+            (
+                form.unknown_in
+                for form in forms_at(self._form, loc[:-1])
+                if hasattr(form, "unknown_in")
+            ),
+            "",
+        )
+        return hint if hint or not inner else f" Did you mean {inner}.{key}?"
 
     def _document_path(self, loc: tuple[PathKey, ...]) -> tuple[tuple[PathKey, ...], Node]:
         """The part of pydantic's path that is in the document: union tags are not."""
@@ -95,23 +113,6 @@ class Problems:
             if found is not None:
                 node, path = found, (*path, key)
         return path, node
-
-
-def describe(value: Any) -> str:
-    """A value as it is named in a message: ``the text 'abc'``, ``a list``."""
-    match value:
-        case None:
-            return "nothing"
-        case bool():
-            return "true" if value else "false"
-        case str():
-            return f"the text '{value if len(value) <= 60 else value[:57] + '...'}'"
-        case dict():
-            return "a mapping"
-        case list():
-            return "a list"
-        case _:
-            return f"{value}"[:60]
 
 
 def _dotted(path: tuple[PathKey, ...]) -> str:
@@ -131,7 +132,7 @@ def _sentence(kind: str, value: Any, context: Mapping[str, Any]) -> str | None:
         "list_type": "a list",
     }
     if kind in wanted:
-        return f"this must be {wanted[kind]}, not {describe(value)}."
+        return f"this must be {wanted[kind]}, not {describe(value)}{_instead(wanted[kind], value)}."
     if kind == "literal_error":
         choices = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
         hint = did_you_mean(str(value), choices, listed=0)
@@ -150,13 +151,53 @@ def _sentence(kind: str, value: Any, context: Mapping[str, Any]) -> str | None:
     return None
 
 
+def _instead(wanted: str, value: Any) -> str:
+    """What to write where another kind of value is due."""
+    if wanted == "true or false":
+        return truth_hint(value)
+    if wanted == "a list" and isinstance(value, str):
+        dash = re.match(r"-(?=\S)", value)
+        return f"; write '- {value[1:20]}', with a space" if dash else f"; write [{value[:30]}]"
+    if "mapping" in wanted and isinstance(value, list):
+        return "; take the '-' or the brackets away"
+    return ""
+
+
+def independent(findings: Sequence[Any]) -> list[Any]:
+    """Pydantic's findings without those that only follow from another.
+
+    A key that is missing where a similar one is unknown was misspelt: that is one mistake.
+    """
+    unknown = [error["loc"] for error in findings if error["type"] == "extra_forbidden"]
+    return [
+        error
+        for error in findings
+        if error["type"] != "missing"
+        or not any(
+            loc[:-1] == error["loc"][:-1]
+            and did_you_mean(str(loc[-1]), [str(error["loc"][-1])], listed=0)
+            for loc in unknown
+        )
+    ]
+
+
+def _with_oddities(message: str, written: Any) -> str:
+    hint = odd_characters(written) if isinstance(written, str) else ""
+    return message if hint in message else message + hint
+
+
 def known_keys(form: Any, loc: tuple[PathKey, ...]) -> list[str]:
     """The keys that the form has where ``loc`` has one too many."""
-    reached = [form]
-    for key in loc[:-1]:
-        reached = [inner for kind in reached for inner in _members(kind, key)]
-    forms = [inner for kind in reached for inner in _alternatives(kind) if _fields(inner)]
+    forms = forms_at(form, loc[:-1])
     return list(dict.fromkeys(key for form in forms for key in _written(form)))
+
+
+def forms_at(form: Any, loc: tuple[PathKey, ...]) -> list[Any]:
+    """The forms that a member at pydantic's path ``loc`` of ``form`` may have."""
+    reached = [form]
+    for key in loc:
+        reached = [inner for kind in reached for inner in _members(kind, key)]
+    return [inner for kind in reached for inner in _alternatives(kind) if _fields(inner)]
 
 
 def _written(form: Any) -> list[str]:

@@ -10,6 +10,7 @@ import math
 import re
 from fractions import Fraction
 
+from cosim.base.show import show
 from cosim.base.typography import comma_in_number, odd_characters
 from cosim.base.unit_hint import unit_hint
 from cosim.base.units import Unit, UnitError, parse_unit, unit_of
@@ -55,7 +56,7 @@ def exact(number: float) -> Fraction:
     if isinstance(number, int):
         return Fraction(number)
     if not math.isfinite(number):
-        raise QuantityError(f"{number} is not a finite number.")
+        raise QuantityError(f"{show(number)} is not a finite number.")
     return Fraction(repr(number))
 
 

@@ -26,3 +26,13 @@ def did_you_mean(word: str, names: Iterable[str], *, listed: int = 8) -> str:
 
 def _list(names: list[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def index_hint(path: str) -> str:
+    """A sentence for a path that counts its elements from 0; empty for others."""
+    import re
+
+    if not re.search(r"\[(.*,)?0(,.*)?\]$", path):
+        return ""
+    from_one = re.sub(r"\d+(?=[,\]][^\[]*$)", lambda index: str(int(index.group()) + 1), path)
+    return f" Indices begin at 1: write {from_one}."

@@ -26,6 +26,7 @@ from typing import Any, cast
 
 from cosim.base.errors import InputError, InputErrors
 from cosim.base.quantity import QuantityError, quantity
+from cosim.base.show import show
 from cosim.base.suggest import did_you_mean
 from cosim.record.reader import Run
 from cosim.report.measures import SCENARIO_MEASURES, TickRange
@@ -170,7 +171,7 @@ class _Parser:
         window = self._window()
         frequency = self.entries.get("frequency")
         if frequency is not None and not isinstance(frequency, int | float):
-            raise InputError(f"frequency is a number in rad/s, not {frequency!r}.")
+            raise InputError(f"frequency is a number in rad/s, not {show(frequency)}.")
         predicates = {key: value for key, value in self.entries.items() if key not in OPTIONS}
         if not predicates:
             raise InputError(f"{self.text} expects nothing; write a predicate such as max_below.")
@@ -243,9 +244,9 @@ def _limit(key: str, comparison: str, threshold: Any, unit: str) -> tuple[float,
     wanted = 2 if comparison == "within" else 1
     if len(parts) != wanted or any(isinstance(part, bool) for part in parts):
         form = "[low, high]" if wanted == 2 else "one number"
-        raise InputError(f"{key} takes {form}, not {threshold!r}.")
+        raise InputError(f"{key} takes {form}, not {show(threshold)}.")
     if not all(isinstance(part, int | float | str) for part in parts):
-        raise InputError(f"{key} takes numbers, not {threshold!r}.")
+        raise InputError(f"{key} takes numbers, not {show(threshold)}.")
     limit = tuple(float(quantity(part, unit or "1")) for part in parts)
     if limit[0] > limit[-1]:
         raise InputError(f"{key}: the low end {parts[0]} lies above the high end {parts[1]}.")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from math import isfinite
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 
 TIGHTER_IS_LARGER = frozenset({"ramp_time", "dexterity"})
 """Limits that protect more when they are larger; every other one protects more when smaller."""
@@ -62,7 +63,7 @@ class Limits:
             if name not in known:
                 raise InputError(f"there is no limit '{name}'; the limits are {', '.join(known)}")
             if not (isfinite(value) and value > 0):
-                raise InputError(f"the limit '{name}' has to be positive, it is {value!r}")
+                raise InputError(f"the limit '{name}' has to be positive, it is {show(value)}")
             if self.is_looser(name, value) and not reasons.get(name, "").strip():
                 raise InputError(
                     f"the limit '{name}: {value}' is looser than the default "

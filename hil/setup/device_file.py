@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from hil.device.contract import WatchdogProof
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
@@ -326,13 +327,13 @@ def _date(value: object) -> str | None:
 
 def _direction(where: str, value: object) -> int:
     if value not in (1, -1):
-        raise InputError(f"'{where}' has to be 1 or -1, it is {value!r}")
+        raise InputError(f"'{where}' has to be 1 or -1, it is {show(value)}")
     return 1 if value == 1 else -1
 
 
 def _number(where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
-        raise InputError(f"'{where}' has to be a number, it is {value!r}")
+        raise InputError(f"'{where}' has to be a number, it is {show(value)}")
     return float(value)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import cast
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from hil.setup.device_file import LARGEST, DeviceFile
 
 
@@ -16,7 +17,9 @@ def setting(file: DeviceFile, name: str, otherwise: float) -> float:
     """
     value: object = file.settings.get(name, otherwise)
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
-        raise InputError(f"'settings.{name}' of the device file has to be a number, not {value!r}")
+        raise InputError(
+            f"'settings.{name}' of the device file has to be a number, not {show(value)}"
+        )
     return float(value)
 
 
@@ -31,7 +34,7 @@ def pair_setting(file: DeviceFile, name: str, otherwise: tuple[int, int]) -> tup
     if len(found) != 2 or not all(type(each) is int for each in found):
         raise InputError(
             f"'settings.{name}' of the device file has to be two whole numbers, for example "
-            f"{list(otherwise)}, not {value!r}"
+            f"{list(otherwise)}, not {show(value)}"
         )
     first, second = cast("list[int]", found)
     return first, second

@@ -13,6 +13,7 @@ from math import ceil
 from typing import Any
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from hil.safety.conversion import VoltageDrive
 from hil.safety.linkage import Pair
 from hil.setup.device_file import DeviceFile, Joint
@@ -49,7 +50,7 @@ def timeout_of(file: DeviceFile) -> float:
         return WATCHDOG_SECONDS
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.002 <= value <= 0.1:
         raise InputError(
-            f"'settings.watchdog.timeout' has to be 0.002 to 0.1 s, it is {value!r}: "
+            f"'settings.watchdog.timeout' has to be 0.002 to 0.1 s, it is {show(value)}: "
             "a hand feels what comes later"
         )
     return float(value)

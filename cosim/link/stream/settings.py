@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import Any
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from cosim.base.suggest import did_you_mean
 from cosim.link.stream.peer import LossPolicy
 from cosim.link.stream.receiver import Release
@@ -51,7 +52,7 @@ class LinkSettings:
             try:
                 values[name] = _READERS[name](value)
             except (ValueError, TypeError) as error:
-                message = f"{where}: {name} cannot be {value!r}: {error}"
+                message = f"{where}: {name} cannot be {show(value)}: {error}"
                 raise InputError(message) from None
         policy = {name: values.pop(name) for name in list(values) if name in _POLICY}
         return cls(**values, loss=LossPolicy(**policy))

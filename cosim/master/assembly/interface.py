@@ -14,7 +14,7 @@ from math import prod
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
-from cosim.base.suggest import did_you_mean
+from cosim.base.suggest import did_you_mean, index_hint
 from cosim.base.units import Unit, unit_of
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
@@ -131,6 +131,8 @@ class Interface:
 
     def suggest(self, path: str) -> str:
         """The nearest names, as a sentence that follows an error."""
+        if counted := index_hint(path):
+            return counted
         bases = {name.split("[")[0] for name in self.elements}
         return did_you_mean(path, {*self.elements, *bases, *self.terminals})
 

@@ -10,7 +10,8 @@ from typing import Any
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.quantity import QuantityError, quantity
-from cosim.base.suggest import did_you_mean
+from cosim.base.show import show, truth_hint
+from cosim.base.suggest import did_you_mean, index_hint
 from cosim.base.units import Unit, unit_of
 from cosim.master.assembly.interface import size_of, variable_elements
 
@@ -50,7 +51,8 @@ def resolve_values(
     if not parts:
         known = [v.name.split("[")[0] for v in variables.values() if v.causality in allowed]
         raise InputError(
-            f"{component} has no {_kind(allowed)} '{name}'.{did_you_mean(name, known)}"
+            f"{component} has no {_kind(allowed)} '{name}'."
+            f"{index_hint(name) or did_you_mean(name, known)}"
         )
     for part in parts:
         _check_causality(component, part, allowed)
@@ -134,13 +136,13 @@ def _convert(
     where = f"{component}.{name}"
     if kind is VariableType.STRING:
         if not isinstance(value, str):
-            raise InputError(f"{where} is a text; put {value!r} in quotes")
+            raise InputError(f"{where} is a text; put {show(value)} in quotes")
         return value
     if kind is VariableType.BINARY:
         raise InputError(f"{where} is binary data, which a scenario cannot give")
     if kind is VariableType.BOOLEAN:
         if not isinstance(value, bool):
-            raise InputError(f"{where} is true or false, not {value!r}")
+            raise InputError(f"{where} is true or false, not {show(value)}{truth_hint(value)}")
         return value
     if kind is VariableType.ENUMERATION:
         return _item(where, variable, value)
@@ -148,9 +150,9 @@ def _convert(
         unit = variable.unit or "1"
         value = _quantity(where, units.get(unit) or unit_of(unit), value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InputError(f"{where} is a number, not {value!r}")
+        raise InputError(f"{where} is a number, not {show(value)}")
     if not kind.is_float and not float(value).is_integer():
-        raise InputError(f"{where} is a whole number, not {value!r}")
+        raise InputError(f"{where} is a whole number, not {show(value)}")
     _check_bounds(where, variable, value)
     return float(value) if kind.is_float else int(value)
 
@@ -171,7 +173,7 @@ def _item(where: str, variable: Variable, value: Any) -> int:
             raise InputError(f"{where} has no value '{value}'.{known}")
         return items[value]
     if isinstance(value, bool) or not isinstance(value, int):
-        raise InputError(f"{where} is one of {', '.join(items)}, not {value!r}")
+        raise InputError(f"{where} is one of {', '.join(items)}, not {show(value)}")
     if items and value not in items.values():
         raise InputError(f"{where} has no value {value}; there are {', '.join(items)}")
     return value

@@ -10,7 +10,7 @@ from cosim.base.component import Causality
 from cosim.base.errors import InputError
 from cosim.base.problems import Problems
 from cosim.base.recording import Column, RecordGroup
-from cosim.base.suggest import did_you_mean
+from cosim.base.suggest import did_you_mean, index_hint
 from cosim.master.assembly.interface import Interface
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
 from cosim.scenario import Scenario
@@ -136,7 +136,8 @@ def _matches(
     if component in scenario.components:
         return []  # it could not be loaded, which has been reported
     known = {c.name for c in candidates} | set(scenario.components)
-    raise InputError(f"there is no signal '{pattern}' to record.{did_you_mean(pattern, known)}")
+    hint = index_hint(pattern) or did_you_mean(pattern, known)
+    raise InputError(f"there is no signal '{pattern}' to record.{hint}")
 
 
 def _group_name(scenario: Scenario, period: int) -> str:

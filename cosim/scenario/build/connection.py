@@ -24,6 +24,8 @@ def build_connection(
     known = _check_ends(context, path, form)
     rate = context.rate(form.rate, path) if form.rate is not None else None
     if form.via is not None and form.via not in context.names("channels"):
+        if not context.is_whole("channels"):
+            return None
         hint = did_you_mean(form.via, context.names("channels"))
         context.problems.add((*path, "via"), f"there is no channel '{form.via}'.{hint}")
         return None
@@ -63,7 +65,7 @@ def build_connection(
 def check_signal(context: Context, path: tuple[PathKey, ...], name: str) -> None:
     """Report a pattern whose first part matches no component and no channel."""
     known = {*context.names("components"), *context.names("channels")}
-    if name in known:
+    if name in known or not (context.is_whole("components") and context.is_whole("channels")):
         return
     wild = re.compile(re.escape(name).replace(r"\*", ".*").replace(r"\?", "."))
     if not any(wild.fullmatch(other) for other in known):
@@ -80,10 +82,12 @@ def _check_ends(context: Context, path: tuple[PathKey, ...], form: ConnectionFor
         ("to", form.target, (components,)),
     ):
         if not any(end.component in section for section in sections):
+            is_known = False
+            if not (context.is_whole("components") and context.is_whole("channels")):
+                continue
             hint = did_you_mean(end.component, [name for names in sections for name in names])
             message = f"there is no component '{end.component}' ({_text(form)}).{hint}"
             context.problems.add((*path, key), message)
-            is_known = False
     return is_known
 
 

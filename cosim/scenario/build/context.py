@@ -38,6 +38,10 @@ class Context:
         node = self.root.child(section)
         return node.value if node is not None and isinstance(node.value, dict) else {}
 
+    def is_whole(self, section: str) -> bool:
+        """Whether all names of a section are known: it is not wrong as a whole."""
+        return (section,) not in self.doubtful
+
     def rate(self, written: Fraction | str | None, owner: tuple[PathKey, ...]) -> Fraction | None:
         """The rate that ``owner``'s ``rate`` means; ``None`` after reporting a problem."""
         rates = self.document.rates
@@ -46,12 +50,14 @@ class Context:
         if written is None:
             if len(rates) == 1:
                 return next(iter(rates.values()))
+            if not self.is_whole("rates"):
+                return None
             where = ".".join(map(str, owner))
             hint = f" (one of {', '.join(rates)})" if rates else ""
             self.problems.add(owner, f"{where} needs a 'rate'{hint}.", at_key=True)
             return None
         if written not in rates:
-            if written not in self.names("rates"):
+            if written not in self.names("rates") and self.is_whole("rates"):
                 hint = did_you_mean(written, rates)
                 self.problems.add((*owner, "rate"), f"there is no rate '{written}'.{hint}")
             return None

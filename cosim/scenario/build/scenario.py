@@ -15,7 +15,7 @@ from cosim.scenario.build.context import Context
 from cosim.scenario.source.notation import components_in
 from cosim.scenario.form.document import document_form
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
-from cosim.base.problems import Problems
+from cosim.base.problems import Problems, independent
 from cosim.base.node import Node, PathKey
 from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
 from cosim.base.suggest import did_you_mean
@@ -88,11 +88,13 @@ def _validate(root: Node, problems: Problems) -> Context:
             )
         except ValidationError as error:
             before = len(dropped)
-            for finding in error.errors(include_url=False):
+            findings = error.errors(include_url=False)
+            told = independent(findings)
+            for finding in findings:
                 path = _as_written(finding["loc"], kept)
                 member = path[: 2 if path[0] in SECTIONS else 1]
                 is_extra = finding["type"] == "extra_forbidden"
-                if member not in reported:
+                if member not in reported and finding in told:
                     problems.add_validation({**finding, "loc": path})
                 dropped.add(path if is_extra else member)
             assert len(dropped) > before, "each round drops what it found"
@@ -175,7 +177,7 @@ def _all_rates(
 
 def _check_names(context: Context) -> None:
     names = context.names("components")
-    if not names:
+    if not names and context.is_whole("components"):
         context.problems.add(("components",), "a scenario needs at least one component.")
     for name in context.names("channels"):
         if name in names:

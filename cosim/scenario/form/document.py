@@ -6,7 +6,7 @@ This is the form after includes, overlays and overrides; ``cosim.scenario.build`
 from __future__ import annotations
 
 from functools import cache
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import (
     BaseModel,
@@ -21,7 +21,7 @@ from pydantic import (
 )
 
 from cosim.base.form import Form, problem
-from cosim.base.problems import describe
+from cosim.base.show import describe
 from cosim.scenario.form.both import mapping_tag
 from cosim.scenario.form.channel import ChannelForm, channel_form
 from cosim.scenario.form.fields import (
@@ -50,6 +50,7 @@ class ComponentForm(Form):
     """One thing with inputs and outputs: exactly one of fmu, python, device, playback."""
 
     read_before: ClassVar[tuple[str, ...]] = ("include",)
+    unknown_in: ClassVar[str] = "parameters"
 
     description: str = ""
     fmu: str | None = Field(
@@ -103,6 +104,15 @@ class ComponentForm(Form):
 
 class ConnectionForm(Form):
     """An output to an input, in full."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_an_arrow(cls, written: object) -> object:
+        pairs = cast("dict[str, Any]", written) if isinstance(written, dict) else {}
+        for source, target in pairs.items():
+            if "." in source and isinstance(target, str):
+                raise problem(f"write '{source} -> {target}', with '->' for ':'.")
+        return cast("object", written)
 
     source: Signal = Field(alias="from", description="component.output")
     target: Signal = Field(alias="to", description="component.input")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node, PathKey
+from cosim.base.show import show
 from cosim.base.suggest import did_you_mean
 from cosim.base.yaml_reader import read_yaml
 from cosim.scenario.source.find import find_file, shown_name
@@ -113,7 +114,7 @@ def _check_version(members: dict[str, Node], place: Location, needed: bool) -> N
             )
     elif version.value != LANGUAGE_VERSION or isinstance(version.value, bool):
         raise InputError(
-            f"version {version.value!r} of the scenario language; this cohaptic reads version "
+            f"version {show(version.value)} of the scenario language; this cohaptic reads version "
             f"{LANGUAGE_VERSION}. Write 'cohaptic: {LANGUAGE_VERSION}' or install a newer one.",
             version.place,
         )

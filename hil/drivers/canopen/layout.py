@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from typing import Any, cast
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from hil.drivers.canopen.protocol import LAST_NODE, LOGICAL_DEVICE, Index, Object
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
@@ -204,9 +205,9 @@ def _number(value: object) -> object:
 def _whole(where: str, value: object, least: int, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise InputError(
-            f"'{where}' has to be a whole number from {least:#x} to {most:#x}, it is {value!r}"
+            f"'{where}' has to be a whole number from {least:#x} to {most:#x}, it is {show(value)}"
             if least > LAST_NODE
-            else f"'{where}' has to be a whole number from {least} to {most}, it is {value!r}"
+            else f"'{where}' has to be a whole number from {least} to {most}, it is {show(value)}"
         )
     return int(value)
 

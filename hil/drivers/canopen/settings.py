@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import ceil, isfinite
 
 from cosim.base.errors import InputError
+from cosim.base.show import show
 from hil.drivers.canopen.layout import Layout, layout
 from hil.safety.conversion import VoltageDrive
 from hil.setup.address import Address
@@ -46,10 +47,10 @@ def settings(address: Address, file: DeviceFile, tick: float) -> Settings:
     """
     timeout = file.settings.get("timeout", TIMEOUT_SECONDS)
     if isinstance(timeout, bool) or not isinstance(timeout, int | float) or not 0 < timeout <= 600:
-        raise InputError(f"'settings.timeout' is a time in s, up to 600; not {timeout!r}")
+        raise InputError(f"'settings.timeout' is a time in s, up to 600; not {show(timeout)}")
     preset = file.settings.get("preset", True)
     if not isinstance(preset, bool):
-        raise InputError(f"'settings.preset' is true or false, not {preset!r}")
+        raise InputError(f"'settings.preset' is true or false, not {show(preset)}")
     return Settings(
         layout=layout(address, file),
         drives=(_drive(file, 0), _drive(file, 1)),
@@ -78,5 +79,5 @@ def _drive(file: DeviceFile, joint: int) -> VoltageDrive:
 def _milliseconds(file: DeviceFile, name: str, otherwise: int) -> int:
     value = file.settings.get(name, otherwise)
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
-        raise InputError(f"'settings.{name}' is a time in whole ms, 1 to 1000; not {value!r}")
+        raise InputError(f"'settings.{name}' is a time in whole ms, 1 to 1000; not {show(value)}")
     return value

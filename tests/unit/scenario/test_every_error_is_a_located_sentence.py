@@ -357,7 +357,7 @@ MISTAKES = {
         "third: {fmu: pantograph, feedthrough: yes",
         (
             "s.yaml:8:41: components.third.feedthrough: this must be true or false, not the text "
-            "'yes'."
+            "'yes'; write true without quotes."
         ),
     ),
     "an archive that does not exist": (

@@ -252,8 +252,115 @@ BROKEN = {
         "third: {fmu: pantograph, feedthrough: on",
         (
             "s.yaml:8:41: components.third.feedthrough: this must be true or false, not the text "
-            "'on'."
+            "'on'; write true without quotes."
         ),
+    ),
+    "'True' as in Python, in quotes": (
+        "third: {fmu: pantograph",
+        "third: {fmu: pantograph, feedthrough: 'False'",
+        (
+            "s.yaml:8:41: components.third.feedthrough: this must be true or false, not the text "
+            "'False'; write false without quotes."
+        ),
+    ),
+    "true for a number": (
+        "duration: 2 s",
+        "duration: 2 s\nseed: True",
+        "s.yaml:4:7: seed: this must be a whole number, not true.",
+    ),
+    "infinity for a time": (
+        "2 s",
+        ".inf",
+        f"s.yaml:3:11: duration: .inf is not a finite number. {TIME}",
+    ),
+    "':' for '->'": (
+        "right.joint_angle -> third",
+        "right.joint_angle: third",
+        (
+            "s.yaml:13:5: connections.1: write 'right.joint_angle -> third.motor_torque', with "
+            "'->' for ':'."
+        ),
+    ),
+    "an arrow character": (
+        "right.joint_angle -> third",
+        "right.joint_angle → third",
+        (
+            "s.yaml:13:5: connections.1: 'right.joint_angle → third.motor_torque' is not a "
+            "connection; write 'source.output -> target.input', with 'via CHANNEL', 'at RATE', "
+            "'delay TIME' behind it. There is an arrow character in it; write '->'."
+        ),
+    ),
+    "a parameter beside the model": (
+        "rate: control, parameters: {base_x: 0.1}",
+        "rate: control, mass: 0.2",
+        "s.yaml:6:54: unknown key 'mass' in components.left. Did you mean parameters.mass?",
+    ),
+    "a key in capitals": (
+        "duration:",
+        "Duration:",
+        "s.yaml:3:1: unknown key 'Duration'. Did you mean duration?",
+    ),
+    "a key in curly quotes": (
+        "duration:",
+        "“duration”:",
+        (
+            "s.yaml:3:1: unknown key '“duration”'. Did you mean duration? There is a curly "
+            "quote in it; write straight quotes or none."
+        ),
+    ),
+    "a pattern in curly quotes": (
+        "[left.*]",
+        "[“left.*”]",
+        (
+            "s.yaml:14:10: there is no component '“left'. Did you mean left? There is a curly "
+            "quote in it; write straight quotes or none."
+        ),
+    ),
+    "a list without spaces": (
+        "record: [left.*]",
+        "record:\n  -left.*",
+        (
+            "s.yaml:15:3: record: this must be a list, not the text '-left.*'; write "
+            "'- left.*', with a space."
+        ),
+    ),
+    "one item for a list": (
+        "record: [left.*]",
+        "record: left.*",
+        "s.yaml:14:9: record: this must be a list, not the text 'left.*'; write [left.*].",
+    ),
+    "a list of components": (
+        (
+            "  left: {fmu: pantograph, station: a, rate: control, parameters: {base_x: 0.1}}\n"
+            "  right: {fmu: pantograph, station: b, rate: control}\n"
+            "  third: {fmu: pantograph, station: b, rate: control}\n"
+        ),
+        "  - left: {fmu: pantograph, station: a, rate: control}\n",
+        (
+            "s.yaml:6:3: components: this must be a mapping ('key: value' lines), not a list; "
+            "take the '-' or the brackets away."
+        ),
+    ),
+    "no rates at all": (
+        "rates: {control: 1024, network: 128}",
+        "rates: [1024, 128]",
+        (
+            "s.yaml:4:8: rates: this must be a mapping ('key: value' lines), not a list; take "
+            "the '-' or the brackets away."
+        ),
+    ),
+    "a list of channels": (
+        "  lan: {between",
+        "  - lan: {between",
+        (
+            "s.yaml:10:3: channels: this must be a mapping ('key: value' lines), not a list; "
+            "take the '-' or the brackets away."
+        ),
+    ),
+    "a component whose kind is unknown": (
+        "right: {fmu: pantograph",
+        "right: {fum: pantograph",
+        "s.yaml:7:11: unknown key 'fum' in components.right. Did you mean fmu?",
     ),
 }
 
