@@ -7,13 +7,15 @@ problem at once, each with its place.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, TypeVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from typing import Any, ClassVar, TypeVar, cast
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, WithJsonSchema
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from cosim.base.errors import Location
 from cosim.base.node import Node, PathKey
 from cosim.base.problems import Problems, independent
 from cosim.base.quantity import QuantityError, quantity
@@ -38,6 +40,22 @@ F = TypeVar("F", bound=BaseModel)
 def problem(sentence: str) -> PydanticCustomError:
     """An error whose text is already the sentence to show."""
     return PydanticCustomError("sentence", "{sentence}", {"sentence": sentence})
+
+
+def mapping_tag(value: Any) -> str:
+    """Whether a value is written as a mapping or plainly; tells the members of a union apart."""
+    return "mapping" if isinstance(value, dict) else "plain"
+
+
+def plain_node(value: Any, place: Location) -> Node:
+    """A tree of nodes for plain data that comes from no file; ``place`` is said in messages."""
+    if isinstance(value, Mapping):
+        members = cast("Mapping[Any, Any]", value)
+        return Node({str(k): plain_node(member, place) for k, member in members.items()}, place)
+    if isinstance(value, list | tuple):
+        items = cast("Sequence[Any]", value)
+        return Node([plain_node(item, place) for item in items], place)
+    return Node(value.isoformat() if isinstance(value, date) else value, place)
 
 
 def read_form(form: type[F], node: Node, subject: str) -> F:
@@ -65,53 +83,57 @@ def check_form(
         return None
 
 
-def number(
-    unit: str,
-    what: str,
-    *,
-    above: float | None = None,
-    least: float | None = None,
-    most: float | None = None,
-) -> Any:
-    """The type of a quantity in a form: a number in ``unit``, or a text with any unit like it.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QuantityIn:
+    """Annotates a number of a form: one in ``unit``, or a text with any unit that converts to it.
 
-    Read exactly, and rounded once to a double in ``unit``. ``what`` completes "… is no": "length,
-    such as 0.1 or '100 mm'".
+    ``Annotated[float, QuantityIn(unit="m", what="length, such as 0.1 or '100 mm'", above=0)]``. It
+    is read exactly and rounded once, to a double in ``unit``; ``whole`` asks for an integer.
+    ``what`` completes the sentence "… is no".
     """
 
-    def read(value: Any) -> float:
+    unit: str
+    what: str
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    whole: bool = False
+
+    def read(self, value: Any) -> float:
+        """The number that was written.
+
+        Raises:
+            PydanticCustomError: it is none, of another dimension, out of range or not whole.
+        """
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise problem(f"{describe(value)} is no {what}.")
+            raise problem(f"{describe(value)} is no {self.what}.")
         try:
-            exact = quantity(value if isinstance(value, int | str) else float(value), unit)
+            exact = quantity(value if isinstance(value, int | str) else float(value), self.unit)
             found = float(exact)
-        except (QuantityError, OverflowError) as error:
-            raise problem(f"{_sentence(error)} Write a {what}.") from None
-        low = above is not None and found <= above
-        if low or (least is not None and found < least) or (most is not None and found > most):
-            raise problem(f"{describe(value)} is out of range: {_range(above, least, most, unit)}.")
-        return found
+        except QuantityError as error:
+            raise problem(f"{error} Write a {self.what}.") from None
+        except OverflowError:
+            raise problem(f"{describe(value)} is out of range for a {self.what}.") from None
+        low = self.above is not None and found <= self.above
+        low = low or (self.least is not None and found < self.least)
+        if low or (self.most is not None and found > self.most):
+            raise problem(f"{describe(value)} is out of range: {self._range()}.")
+        if self.whole and exact.denominator != 1:
+            raise problem(f"{describe(value)} is not whole; write a {self.what}.")
+        return int(exact) if self.whole else found
 
-    plain: dict[str, Any] = {"type": "number"}
-    bounds = {"exclusiveMinimum": above, "minimum": least, "maximum": most}
-    plain |= {name: bound for name, bound in bounds.items() if bound is not None}
-    text = {"type": "string", "pattern": _TEXT}
-    return Annotated[float, PlainValidator(read), WithJsonSchema({"anyOf": [plain, text]})]
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """How pydantic reads the annotated type: by :meth:`read`."""
+        return core_schema.no_info_plain_validator_function(self.read)
 
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
+        """What an editor is told of it."""
+        plain: dict[str, Any] = {"type": "integer" if self.whole else "number"}
+        bounds = {"exclusiveMinimum": self.above, "minimum": self.least, "maximum": self.most}
+        plain |= {name: bound for name, bound in bounds.items() if bound is not None}
+        return {"anyOf": [plain, {"type": "string", "pattern": _TEXT}]}
 
-def _sentence(error: Exception) -> str:
-    return str(error) if isinstance(error, QuantityError) else "this number does not fit."
-
-
-def _range(above: float | None, least: float | None, most: float | None, unit: str) -> str:
-    name = "" if unit == "1" else f" {unit}"
-    bounds = [
-        f"{word} {_plain(bound)}{name}"
-        for word, bound in (("more than", above), ("at least", least), ("at most", most))
-        if bound is not None
-    ]
-    return " and ".join(bounds)
-
-
-def _plain(bound: float) -> str:
-    return f"{bound:g}" if math.isfinite(bound) else "any number"
+    def _range(self) -> str:
+        name = "" if self.unit == "1" else f" {self.unit}"
+        bounds = (("more than", self.above), ("at least", self.least), ("at most", self.most))
+        return " and ".join(f"{word} {b:g}{name}" for word, b in bounds if b is not None)

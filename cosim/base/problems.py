@@ -26,6 +26,12 @@ class Problems:
         self._errors: list[InputError] = []
         self._ignored: tuple[type[InputError], ...] = ()
 
+    def of(self, form: Any) -> Problems:
+        """The same problems, now that the form is known."""
+        found = Problems(self._root, form, self._subject)
+        found._errors = self._errors
+        return found
+
     def __bool__(self) -> bool:
         return bool(self._errors)
 

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from fractions import Fraction
 from math import nan
 from pathlib import Path
 from typing import Any
 
 from cosim.base.component import Cells, Component, Role, Setup, Variable
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, Location
+from cosim.base.form import plain_node, read_form
 from hil.device.contract import Flag, Measurement, State
 from hil.device.device import Device
 from hil.device.pantograph import terminals, variables
 from hil.emulation.side_channel import Control
 from hil.realtime import session as sessions
+from hil.safety.form import SafetyForm
 from hil.safety.limits import SPEED_WINDOW_TICKS
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
+from hil.setup.options import check_options
 
 REST_TICKS = 2 * SPEED_WINDOW_TICKS
 """Ticks at zero torque before activation, in which the handle has to rest."""
@@ -34,19 +38,29 @@ class DeviceComponent(Component):
 
     feedthrough = True
 
-    def __init__(self, kind: type[Device], url: str, options: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        kind: type[Device],
+        url: str,
+        options: Mapping[str, Any],
+        safety: Mapping[str, Any] | None = None,
+    ) -> None:
         self.kind = kind
         self.address = parse(
             url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS}
         )
-        self.file = device_file(kind, options)
+        check_options(kind.options, self.address)
+        file = device_file(kind, options)
+        place = Location("safety", 0, 0)
+        self.safety = read_form(SafetyForm, plain_node(safety or {}, place), "'safety'").given()
+        self.file = replace(file, limits=file.limits.tightened(self.safety))
         self.device: Device | None = None
         self.flags = Flag.NONE
 
     @property
     def lockstep(self) -> bool:
         """Whether the device is an emulator that advances exactly as far as it is asked to."""
-        return self.address.options.get("lockstep") == "1"
+        return self.address.is_lockstep
 
     @property
     def variables(self) -> Sequence[Variable]:
@@ -178,6 +192,8 @@ def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
         InputError: it cannot be used, or belongs to another driver.
     """
     path = options.get("file")
+    if path is not None and "preset" in options:
+        raise InputError(f"'preset' has no effect beside 'file': write it into {path}")
     if path is None:
         preset = options.get("preset")
         return default(kind.driver, None if preset is None else str(preset))
@@ -206,7 +222,7 @@ def _changed(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 def begin_emulated_motion(device: Device) -> None:
     """Tell an emulator that the run begins, so that its operator's time is the scenario's."""
-    path = device.address.options.get("emulator")
+    path = device.address.emulator
     if path is not None:
         with closing(Control(path)) as control:
             control.ask("start")

@@ -37,11 +37,14 @@ class Device(WatchdogProving):
 
     @classmethod
     @final
-    def component(cls, url: str, options: dict[str, Any]) -> Any:
-        """The component that a scenario's ``device: URL`` stands for (entry point contract)."""
+    def component(cls, url: str, options: dict[str, Any], safety: dict[str, Any]) -> Any:
+        """The component that a scenario's ``device: URL`` stands for (entry point contract).
+
+        ``safety`` are limits that the scenario puts on every device: the tighter ones hold.
+        """
         from hil.device.component import DeviceComponent  # it needs Device itself
 
-        return DeviceComponent(cls, url, options)
+        return DeviceComponent(cls, url, options, safety)
 
     @final
     def read(self, tick: int) -> Measurement:

@@ -19,6 +19,8 @@ from hil.safety.linkage import Pair
 from hil.safety.permission import Permission
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
+from hil.setup.options import UrlOptions
+from hil.setup.settings import DriverSettings
 
 
 class Driver(ABC):
@@ -41,6 +43,11 @@ class Driver(ABC):
     tested_on_hardware: ClassVar[bool] = False
     has_input: ClassVar[bool] = False
     """Whether the board tells of a switch on it, which can serve as a dead-man input."""
+
+    settings: ClassVar[type[DriverSettings]] = DriverSettings
+    """The form of ``settings`` in its device file."""
+    options: ClassVar[type[UrlOptions]] = UrlOptions
+    """The form of the options in its URL."""
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
@@ -103,7 +110,7 @@ class Driver(ABC):
     @property
     def lockstep(self) -> bool:
         """Whether it is an emulator that advances exactly as far as it is asked to."""
-        return self.address.options.get("lockstep") == "1"
+        return self.address.is_lockstep
 
     def pause(self) -> None:
         """One tick's time between exchanges outside the loop; none where no clock is involved."""
@@ -111,6 +118,11 @@ class Driver(ABC):
             self.pulse.beat()
         if not (self.in_process or self.lockstep):
             time.sleep(self.tick)
+
+    @property
+    def knows_its_pose(self) -> bool:
+        """Whether it measures absolute angles, so that it needs no pose to be homed in."""
+        return False
 
     # --- hooks -----------------------------------------------------------------------------------
 

@@ -75,7 +75,7 @@ class Lifecycle(Measuring):
             DeviceError: no home pose is known, or no sample comes.
         """
         self._expect("home", State.INACTIVE)
-        if self.file.home is None and not self.file.settings.get("absolute", False):
+        if self.file.home is None and not self.knows_its_pose:
             raise DeviceError(
                 f"{self.name} cannot be homed: its device file has no 'home' pose; "
                 "measure one with 'cohaptic device calibrate'"

@@ -26,7 +26,7 @@ def doubt(device: Device) -> str | None:
 
     It needs ``emulator=`` in its URL.
     """
-    path = device.address.options.get("emulator")
+    path = device.address.emulator
     if path is None:
         return "its URL names no emulator"
     random = SystemRandom()

@@ -12,10 +12,13 @@ from dataclasses import fields
 from typing import Any
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.errors import Location
+from cosim.base.form import plain_node, read_form
 from hil.device.contract import ZERO, Flag
+from hil.safety.form import LimitsForm
 from hil.safety.layer import SafetyLayer
 from hil.safety.limits import Limits
-from hil.setup.device_file import parse
+from hil.setup.device_file import default
 
 
 class Safety(Component):
@@ -72,11 +75,13 @@ class Safety(Component):
         """
         values: dict[str, Any] = dict(setup.parameters)
         preset = values.pop("preset", "quanser")
-        reasons = dict.fromkeys(values, "a simulation hurts nobody")
-        file = parse({"driver": "mock", "preset": preset, "limits": values, "loosened": reasons})
+        file = default("mock", str(preset))
+        place = Location(f"the parameters of {setup.name}", 0, 0)
+        # Looser limits need no reason here: a simulation hurts nobody.
+        limits = read_form(LimitsForm, plain_node(values, place), "a safety layer").given()
         numerator, denominator = setup.tick
         self._layer = SafetyLayer(
-            file.limits,
+            file.limits.replaced(limits),
             file.linkage,
             tick=setup.period * numerator / denominator,
             quantum=file.quantum,

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from math import isfinite
-
-from cosim.base.errors import InputError
-from cosim.base.show import show
+from dataclasses import dataclass, replace
 
 TIGHTER_IS_LARGER = frozenset({"ramp_time", "dexterity"})
 """Limits that protect more when they are larger; every other one protects more when smaller."""
@@ -51,29 +47,22 @@ class Limits:
     ramp_time: float = 1.5
     """How long force takes to come up after activation, 1 to 2 s."""
 
-    def replaced(self, values: Mapping[str, float], reasons: Mapping[str, str]) -> Limits:
-        """These limits with a device file's values; a looser one needs a reason.
+    def replaced(self, values: Mapping[str, float]) -> Limits:
+        """These limits with others in their place."""
+        return replace(self, **values)
 
-        Raises:
-            InputError: an unknown name, a value that is not positive, a loosening without reason,
-                or a ramp time outside 1 to 2 s.
-        """
-        known = [field.name for field in fields(self)]
-        for name, value in values.items():
-            if name not in known:
-                raise InputError(f"there is no limit '{name}'; the limits are {', '.join(known)}")
-            if not (isfinite(value) and value > 0):
-                raise InputError(f"the limit '{name}' has to be positive, it is {show(value)}")
-            if self.is_looser(name, value) and not reasons.get(name, "").strip():
-                raise InputError(
-                    f"the limit '{name}: {value}' is looser than the default "
-                    f"{getattr(self, name)}: write why under 'loosened: {{{name}: ...}}', "
-                    "or keep the default"
-                )
-        merged = {name: values.get(name, getattr(self, name)) for name in known}
-        if not 1.0 <= merged["ramp_time"] <= 2.0:
-            raise InputError(f"'ramp_time' has to be 1 to 2 s, it is {merged['ramp_time']}")
-        return Limits(**merged)
+    def tightened(self, values: Mapping[str, float]) -> Limits:
+        """The tighter of these and the given ones, limit by limit."""
+        return replace(
+            self, **{name: v for name, v in values.items() if not self.is_looser(name, v)}
+        )
+
+    def needs_a_reason(self, name: str, value: float) -> str:
+        """Why a looser limit is refused as it stands."""
+        return (
+            f"the limit '{name}: {value:g}' is looser than the default {getattr(self, name)}: "
+            f"write why under 'loosened: {{{name}: ...}}', or keep the default."
+        )
 
     def is_looser(self, name: str, value: float) -> bool:
         """Whether a value protects less than this one's."""

@@ -29,6 +29,16 @@ class Address:
         """What pyserial is given: a device path or name, or one of its own URLs."""
         return self.place if self.transport is None else f"{self.transport}://{self.place}"
 
+    @property
+    def is_lockstep(self) -> bool:
+        """Whether it is an emulator that advances exactly as far as it is asked to."""
+        return self.options.get("lockstep") == "1"
+
+    @property
+    def emulator(self) -> str | None:
+        """The side channel of the emulator behind it, ``None`` for a real device."""
+        return self.options.get("emulator")
+
 
 def parse(url: str, options: Mapping[str, object] | None = None) -> Address:
     """Take a device URL apart; the mapping's options win over the URL's.
@@ -59,43 +69,9 @@ def parse(url: str, options: Mapping[str, object] | None = None) -> Address:
     )
 
 
-def numbers(address: Address, name: str, count: int, otherwise: tuple[int, ...]) -> tuple[int, ...]:
-    """An option that is a comma-separated list of ``count`` integers.
-
-    Raises:
-        InputError: it is not.
-    """
-    text = address.options.get(name)
-    if text is None:
-        return otherwise
-    try:
-        values = tuple(int(part, 0) for part in text.split(","))
-    except ValueError:
-        values = ()
-    if len(values) != count:
-        raise InputError(
-            f"'{name}={text}' in the device URL '{address.url}' has to be {count} whole numbers, "
-            f"for example {name}={','.join(str(value) for value in otherwise)}"
-        )
-    return values
-
-
-def number(address: Address, name: str, otherwise: float) -> float:
-    """An option that is one number.
-
-    Raises:
-        InputError: it is not.
-    """
-    text = address.options.get(name)
-    try:
-        return otherwise if text is None else float(text)
-    except ValueError as error:
-        raise InputError(
-            f"'{name}={text}' in the device URL '{address.url}' has to be a number"
-        ) from error
-
-
 def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "1" if value else "0"
     if isinstance(value, list | tuple):
         return ",".join(str(item) for item in value)  # pyright: ignore[reportUnknownVariableType, reportUnknownArgumentType]
     return str(value)

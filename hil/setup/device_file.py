@@ -1,28 +1,31 @@
 """The device file: what one particular device on one particular bench is like.
 
-YAML (or JSON, which is YAML): driver, serial number, date, geometry, per joint direction, offset,
-counts and drive, home pose, limits with the reasons for loosened ones, workspace, and
-``estop: confirmed`` where a person stands by a switch that cuts the motors' power.
+YAML (or JSON, which is YAML), read by the form in ``hil.setup.device_form`` and completed by what
+its maker publishes; ``settings`` are read by the form of the driver that it names.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from datetime import date
-from difflib import get_close_matches
 from math import pi
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from cosim.base.errors import InputError
-from cosim.base.show import show
+from cosim.base.errors import InputError, Location
+from cosim.base.node import Node
+from cosim.base.problems import Problems
 from hil.device.contract import WatchdogProof
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
 from hil.safety.linkage import Linkage, Pair, Region
 
+if TYPE_CHECKING:
+    from hil.setup.device_form import DeviceFileForm, DriveForm, JointForm
+    from hil.setup.settings import DriverSettings
+
 Drive = TorqueDrive | VoltageDrive
+S = TypeVar("S", bound="DriverSettings")
 
 PRESETS: Mapping[str, Mapping[str, Any]] = {
     "quanser": {
@@ -43,38 +46,6 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 
 VOLTAGE_DRIVERS = frozenset({"canopen", "nidaqmx", "quanser"})
 """Drivers whose device takes volts; the drive defaults to the preset's motor and amplifier."""
-
-LARGEST = 1e9
-"""No value of a device is as large, in any unit."""
-
-_KEYS = (
-    "cohaptic_device",
-    "driver",
-    "preset",
-    "serial",
-    "date",
-    "estop",
-    "geometry",
-    "joints",
-    "home",
-    "limits",
-    "loosened",
-    "workspace",
-    "settings",
-    "watchdog_proof",
-)
-_JOINT_KEYS = ("direction", "offset", "counts_per_turn", "drive")
-_DRIVE_KEYS = (
-    "direction",
-    "gear",
-    "torque_constant",
-    "amplifier",
-    "bias",
-    "low",
-    "high",
-    "low_code",
-    "high_code",
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +79,7 @@ class DeviceFile:
     limits: Limits = field(default_factory=Limits)
     loosened: Mapping[str, str] = field(default_factory=dict[str, str])
     region: Region | None = None
-    settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    settings: DriverSettings | None = None
     """What belongs to one driver alone (node numbers, watchdog endpoints, channels)."""
     watchdog_proof: WatchdogProof | None = None
     """Written by ``cohaptic device check --enable-output``."""
@@ -118,6 +89,10 @@ class DeviceFile:
     def quantum(self) -> float:
         """The coarser joint's count (rad)."""
         return max(joint.quantum for joint in self.joints)
+
+    def settings_of(self, form: type[S]) -> S:
+        """The settings in the driver's own form; its defaults where the file gives none."""
+        return self.settings if isinstance(self.settings, form) else form()
 
 
 def default(driver: str, preset: str | None = None) -> DeviceFile:
@@ -129,22 +104,18 @@ def load(path: Path) -> DeviceFile:
     """Read a device file.
 
     Raises:
-        InputError: it cannot be read, or a value in it is unknown, missing or implausible.
+        InputError: it cannot be read, or values in it are unknown, missing or implausible: all of
+            them, each with its place.
     """
-    from ruamel.yaml import YAML
+    from cosim.base.yaml_reader import read_yaml
 
     try:
-        document: Any = YAML(typ="safe").load(path.read_text("utf-8"))  # pyright: ignore[reportUnknownMemberType]
-    except OSError as error:
-        raise InputError(f"the device file {path} cannot be read: {error.strerror}") from error
-    except (
-        Exception
-    ) as error:  # of bytes that are no text, the YAML package raises more than its own
-        raise InputError(f"the device file {path} is not YAML: {error}") from error
-    try:
-        return parse(document, path=path)
+        root = read_yaml(path, str(path))
     except InputError as error:
-        raise InputError(f"device file {path}: {error.message}") from error
+        if error.location is not None:
+            raise
+        raise InputError(f"the device file {path} cannot be used: {error.message}") from error
+    return _read(root, path)
 
 
 def save(path: Path, values: Mapping[str, Any]) -> None:
@@ -172,180 +143,130 @@ def add_watchdog_proof(path: Path, proof: WatchdogProof) -> None:
         editor.dump(document, stream)  # pyright: ignore[reportUnknownMemberType]
 
 
-def parse(document: object, path: Path | None = None) -> DeviceFile:
-    """The device file in a mapping that was read from YAML.
+def parse(document: object) -> DeviceFile:
+    """The device file in plain data, as :func:`load` finds it in a file.
 
     Raises:
         InputError: as :func:`load`.
     """
-    values = _mapping("the device file", document)
-    _known("key", values, _KEYS)
-    driver = values.get("driver")
-    if not isinstance(driver, str):
-        raise InputError("'driver' has to name the driver, for example 'driver: haply'")
-    preset = str(values.get("preset", "haply" if driver == "haply" else "quanser"))
-    if preset not in PRESETS:
-        raise InputError(f"the preset '{preset}' is unknown; there are {', '.join(PRESETS)}")
-    base = PRESETS[preset]
-    geometry = {**base["geometry"], **_mapping("geometry", values.get("geometry", {}))}
-    _known("geometry", geometry, ("proximal", "distal", "base"))
-    lengths = {name: _number(f"geometry.{name}", value) for name, value in geometry.items()}
-    if lengths["proximal"] <= 0 or lengths["distal"] <= 0 or lengths["base"] < 0:
-        raise InputError("the link lengths in 'geometry' have to be positive (m)")
-    linkage = Linkage(**lengths)
-    standard: dict[str, Any] = {}
-    if driver in VOLTAGE_DRIVERS:
-        standard = base["drive"] or PRESETS["quanser"]["drive"]
-    if driver == "mock" and "home" not in values:
-        values["home"] = list(linkage.angles(base["rest"]) or ())
-    loosened = {k: str(v) for k, v in _mapping("loosened", values.get("loosened", {})).items()}
-    limits = {
-        name: _number(f"limits.{name}", value)
-        for name, value in _mapping("limits", values.get("limits", {})).items()
-    }
-    return DeviceFile(
-        driver=driver,
-        preset=preset,
-        serial=None if values.get("serial") is None else str(values["serial"]),
-        date=_date(values.get("date")),
-        estop_confirmed=_estop(values.get("estop")),
-        linkage=linkage,
-        joints=_joints(values.get("joints"), base["counts_per_turn"], standard),
-        home=_home(values.get("home"), linkage),
-        limits=Limits(**base.get("limits", {})).replaced(limits, loosened),
-        loosened=loosened,
-        region=_region(values.get("workspace")),
-        settings=_mapping("settings", values.get("settings", {})),
-        watchdog_proof=_watchdog_proof(values.get("watchdog_proof")),
-        path=path,
-    )
+    from cosim.base.form import plain_node
+
+    return _read(plain_node(document, Location("the device file", 0, 0)), None)
 
 
-def _joints(
-    document: object, counts_per_turn: int, standard: Mapping[str, Any]
-) -> tuple[Joint, Joint]:
-    if document is None:
-        document = cast("list[object]", [{}, {}])
-    if not isinstance(document, list) or len(cast("list[object]", document)) != 2:
-        raise InputError("'joints' has to be a list of two joints")
-    parsed: list[Joint] = []
-    for number, item in enumerate(cast("list[object]", document), start=1):
-        where = f"joints[{number}]"
-        joint = _mapping(where, item)
-        _known(where, joint, _JOINT_KEYS)
-        counts = _number(f"{where}.counts_per_turn", joint.get("counts_per_turn", counts_per_turn))
-        drive = {**standard, **_mapping(f"{where}.drive", joint.get("drive", {}))}
-        if not 16 <= counts <= 2**24 or counts != int(counts):
-            raise InputError(f"'{where}.counts_per_turn' is implausible: {counts}")
-        offset = _number(f"{where}.offset", joint.get("offset", 0.0))
-        if abs(offset) > 4 * pi:
-            raise InputError(f"'{where}.offset' is an angle in rad; {offset} is implausible")
-        parsed.append(
-            Joint(
-                direction=_direction(f"{where}.direction", joint.get("direction", 1)),
-                offset=offset,
-                counts_per_turn=int(counts),
-                drive=_drive(f"{where}.drive", drive),
-            )
+def _read(root: Node, path: Path | None) -> DeviceFile:
+    from cosim.base.form import check_form
+    from hil.setup.settings import form_with_settings
+
+    written = root.text("driver")
+    problems = Problems(root, subject="a device file")
+    kind = form_with_settings(written, problems)
+    problems = problems.of(kind)
+    form = check_form(kind, root, problems)
+    problems.raise_if_any()
+    assert form is not None, "what is no form has a problem"
+    return _Builder(form, problems).build(path)
+
+
+class _Builder:
+    """Completes the form by its preset, and judges what only fits together."""
+
+    def __init__(self, form: DeviceFileForm, problems: Problems) -> None:
+        self._form = form
+        self._problems = problems
+        self._preset = form.preset or ("haply" if form.driver == "haply" else "quanser")
+        self._base = PRESETS[self._preset]
+
+    def build(self, path: Path | None) -> DeviceFile:
+        form = self._form
+        geometry = {**self._base["geometry"], **form.geometry.model_dump(exclude_none=True)}
+        linkage = Linkage(**geometry)
+        home = self._home(linkage)
+        joints = self._joints()
+        loosened = form.loosened.model_dump(exclude_none=True)
+        limits = self._limits(loosened)
+        proof = form.watchdog_proof
+        self._problems.raise_if_any()
+        return DeviceFile(
+            driver=form.driver,
+            preset=self._preset,
+            serial=form.serial,
+            date=form.date,
+            estop_confirmed=form.estop == "confirmed",
+            linkage=linkage,
+            joints=joints,
+            home=home,
+            limits=limits,
+            loosened=loosened,
+            region=None if form.workspace is None else Region(**form.workspace.model_dump()),
+            settings=form.settings,
+            watchdog_proof=None if proof is None else WatchdogProof(**proof.model_dump()),
+            path=path,
         )
-    return parsed[0], parsed[1]
 
+    def _limits(self, loosened: Mapping[str, str]) -> Limits:
+        standard = Limits(**self._base.get("limits", {}))
+        given = self._form.limits.given()
+        for name, value in given.items():
+            if standard.is_looser(name, value) and name not in loosened:
+                self._problems.add(("limits", name), standard.needs_a_reason(name, value))
+        for name in loosened:
+            value = given.get(name)
+            if value is None or not standard.is_looser(name, value):
+                self._problems.add(
+                    ("loosened", name),
+                    f"loosened.{name}: the limit is not looser than the default "
+                    f"{getattr(standard, name)}; leave the reason out.",
+                )
+        return standard.replaced(given)
 
-def _drive(where: str, values: Mapping[str, Any]) -> Drive:
-    _known(where, values, _DRIVE_KEYS)
-    direction = _direction(f"{where}.direction", values.get("direction", 1))
-    numbers = {
-        name: _number(f"{where}.{name}", value)
-        for name, value in values.items()
-        if name != "direction"
-    }
-    for name in ("gear", "torque_constant", "amplifier"):
-        if not numbers.get(name, 1.0) > 0:
-            raise InputError(f"'{where}.{name}' has to be positive; the sign is 'direction'")
-    if "torque_constant" not in numbers and "amplifier" not in numbers:
-        _known(where, numbers, ("gear",))
-        return TorqueDrive(direction=direction, gear=numbers.get("gear", 1.0))
-    for name in ("torque_constant", "amplifier"):
-        if name not in numbers:
-            raise InputError(f"'{where}' gives one of torque_constant and amplifier, it needs both")
-    codes = {name: int(numbers.pop(name)) for name in ("low_code", "high_code") if name in numbers}
-    drive = VoltageDrive(direction=direction, **numbers, **codes)
-    if not drive.low <= drive.bias <= drive.high or drive.low_code >= drive.high_code:
-        raise InputError(f"'{where}': the bias has to lie inside the DAC's range")
-    return drive
+    def _home(self, linkage: Linkage) -> Pair | None:
+        if self._form.home is None:
+            rest = linkage.angles(self._base["rest"])
+            return rest if self._form.driver == "mock" else None
+        first, second = self._form.home
+        if linkage.tip((first, second)) is None:
+            self._problems.add(
+                ("home",), f"the links cannot meet at the home pose [{first}, {second}] rad."
+            )
+        return first, second
 
+    def _joints(self) -> tuple[Joint, Joint]:
+        from hil.setup.device_form import JointForm
 
-def _home(document: object, linkage: Linkage) -> Pair | None:
-    if document is None:
-        return None
-    if not isinstance(document, list) or len(cast("list[object]", document)) != 2:
-        raise InputError("'home' has to be two joint angles in rad")
-    first, second = (_number("home", value) for value in cast("list[object]", document))
-    if linkage.tip((first, second)) is None:
-        raise InputError(f"the links cannot meet at the home pose [{first}, {second}] rad")
-    return first, second
+        first, second = self._form.joints or [JointForm(), JointForm()]
+        return self._joint(0, first), self._joint(1, second)
 
+    def _joint(self, index: int, form: JointForm) -> Joint:
+        return Joint(
+            direction=form.direction,
+            offset=form.offset,
+            counts_per_turn=form.counts_per_turn or self._base["counts_per_turn"],
+            drive=self._drive(("joints", index, "drive"), form.drive),
+        )
 
-def _region(document: object) -> Region | None:
-    if document is None:
-        return None
-    edges = _mapping("workspace", document)
-    _known("workspace", edges, ("left", "right", "bottom", "top"))
-    if len(edges) != 4:
-        raise InputError("'workspace' needs left, right, bottom and top (m, device frame)")
-    region = Region(**{name: _number(f"workspace.{name}", value) for name, value in edges.items()})
-    if region.left >= region.right or region.bottom >= region.top:
-        raise InputError("'workspace' is empty: left < right and bottom < top are needed")
-    return region
-
-
-def _watchdog_proof(document: object) -> WatchdogProof | None:
-    if document is None:
-        return None
-    values = _mapping("watchdog_proof", document)
-    _known("watchdog_proof", values, ("date", "serial", "timeout", "fired_after"))
-    proved = _date(values.get("date"))
-    if proved is None:
-        raise InputError("'watchdog_proof' needs the date on which the watchdog was seen to fire")
-    return WatchdogProof(
-        date=proved,
-        timeout=_number("watchdog_proof.timeout", values.get("timeout")),
-        fired_after=_number("watchdog_proof.fired_after", values.get("fired_after")),
-        serial=None if values.get("serial") is None else str(values["serial"]),
-    )
-
-
-def _estop(value: object) -> bool:
-    if value not in (None, "confirmed", "none"):
-        raise InputError("'estop' is either 'confirmed' or left out")
-    return value == "confirmed"
-
-
-def _date(value: object) -> str | None:
-    return value.isoformat() if isinstance(value, date) else None if value is None else str(value)
-
-
-def _direction(where: str, value: object) -> int:
-    if value not in (1, -1):
-        raise InputError(f"'{where}' has to be 1 or -1, it is {show(value)}")
-    return 1 if value == 1 else -1
-
-
-def _number(where: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
-        raise InputError(f"'{where}' has to be a number, it is {show(value)}")
-    return float(value)
-
-
-def _mapping(where: str, value: object) -> dict[str, Any]:
-    if not isinstance(value, Mapping):
-        raise InputError(f"'{where}' has to be a mapping of names to values")
-    return {str(key): item for key, item in cast("Mapping[object, Any]", value).items()}
-
-
-def _known(where: str, values: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    for name in values:
-        if name not in known:
-            close = get_close_matches(name, known, 1)
-            hint = f"; did you mean '{close[0]}'?" if close else f"; there are {', '.join(known)}"
-            raise InputError(f"unknown {where} '{name}'{hint}")
+    def _drive(self, path: tuple[str | int, ...], form: DriveForm) -> Drive:
+        standard: Mapping[str, Any] = {}
+        if self._form.driver in VOLTAGE_DRIVERS:
+            standard = self._base["drive"] or PRESETS["quanser"]["drive"]
+        values = {**standard, **form.model_dump(exclude_none=True, exclude_unset=True)}
+        where = ".".join(map(str, path))
+        if "torque_constant" not in values and "amplifier" not in values:
+            for name in values:
+                if name not in {"direction", "gear"}:
+                    self._problems.add(
+                        (*path, name),
+                        f"{where}.{name}: it belongs to a drive that takes volts, which has "
+                        "'torque_constant' and 'amplifier' as well.",
+                    )
+            return TorqueDrive(direction=form.direction, gear=form.gear)
+        for name in ("torque_constant", "amplifier"):
+            if name not in values:
+                self._problems.add(
+                    path, f"{where}: one of torque_constant and amplifier; it needs both."
+                )
+                return TorqueDrive()
+        drive = VoltageDrive(**values)
+        if not drive.low <= drive.bias <= drive.high or drive.low_code >= drive.high_code:
+            self._problems.add(path, f"{where}: the bias has to lie inside the DAC's range.")
+        return drive

@@ -1,40 +1,28 @@
-"""What a device file's ``settings`` hold for one driver alone; a sentence where it cannot be."""
+"""What a device file's ``settings`` hold for one driver alone: a form of the driver."""
 
 from __future__ import annotations
 
-from typing import cast
+from pydantic import create_model
 
 from cosim.base.errors import InputError
-from cosim.base.show import show
-from hil.setup.device_file import LARGEST, DeviceFile
+from cosim.base.form import Form
+from cosim.base.problems import Problems
+from hil.setup.device_form import DeviceFileForm
 
 
-def setting(file: DeviceFile, name: str, otherwise: float) -> float:
-    """A setting that is one number.
-
-    Raises:
-        InputError: it is not.
-    """
-    value: object = file.settings.get(name, otherwise)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
-        raise InputError(
-            f"'settings.{name}' of the device file has to be a number, not {show(value)}"
-        )
-    return float(value)
+class DriverSettings(Form):
+    """Base of every driver's settings; a driver without any takes this one."""
 
 
-def pair_setting(file: DeviceFile, name: str, otherwise: tuple[int, int]) -> tuple[int, int]:
-    """A setting that is a list of two whole numbers.
+def form_with_settings(driver: str | None, problems: Problems) -> type[DeviceFileForm]:
+    """The form of a device file for a driver, whose settings it has; an unknown one is reported."""
+    from hil.setup.registry import find  # it needs the base of all devices, which needs this
 
-    Raises:
-        InputError: it is not.
-    """
-    value: object = file.settings.get(name, otherwise)
-    found = list(cast("list[object]", value)) if isinstance(value, list | tuple) else []
-    if len(found) != 2 or not all(type(each) is int for each in found):
-        raise InputError(
-            f"'settings.{name}' of the device file has to be two whole numbers, for example "
-            f"{list(otherwise)}, not {show(value)}"
-        )
-    first, second = cast("list[int]", found)
-    return first, second
+    if driver is None:
+        return DeviceFileForm
+    try:
+        settings = find(driver).settings
+    except InputError as error:
+        problems.add(("driver",), error.message)
+        return DeviceFileForm
+    return create_model("DeviceFileForm", __base__=DeviceFileForm, settings=(settings, settings()))

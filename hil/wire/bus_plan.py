@@ -9,8 +9,7 @@ from fractions import Fraction
 from cosim.base.errors import InputError
 from hil.device.component import DeviceComponent
 from hil.device.contract import BusUse
-from hil.setup.address import number
-from hil.wire.can_bus import BITRATE, Load, refuse_overload
+from hil.wire.can_bus import Load, can_options, refuse_overload
 
 
 @dataclass(slots=True)
@@ -53,7 +52,7 @@ def plan_buses(devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> list[
             key,
             PlannedBus(
                 f"{address.transport}://{address.place}",
-                number(address, "bitrate", BITRATE),
+                can_options(address).bitrate,
                 rate,
             ),
         )

@@ -11,12 +11,16 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
 
 from cosim.base.errors import InputError
+from cosim.base.form import QuantityIn
 from hil.device.errors import DeviceGone
 from hil.emulation.side_channel import Control
-from hil.setup.address import Address, number
+from hil.setup.address import Address
+from hil.setup.options import UrlOptions, read_options
 from hil.wire.serial_port import (
     PATIENCE,
     QUIET_AFTER_DEATH,
@@ -39,6 +43,23 @@ _FRAME_BITS = 47
 """A classic data frame of 11-bit identifier without data: 44 bits and 3 between frames."""
 _STUFFED_BITS = 34
 """Those of them that bit stuffing applies to (ISO 11898-1)."""
+
+
+class CanOptions(UrlOptions):
+    """Options of a device on a CAN bus."""
+
+    bitrate: Annotated[
+        int,
+        QuantityIn(
+            unit="1", what="bit rate, such as 1000000", least=10_000, most=8_000_000, whole=True
+        ),
+    ] = Field(default=BITRATE, description="Bits a second on the bus.")
+    budget: Annotated[
+        float, QuantityIn(unit="s", what="time, such as 0.0006 or '600 us'", above=0, most=600)
+    ] = Field(default=BUDGET_SECONDS, description="What all its devices may take of a tick (s).")
+    sleep_after_open: Annotated[
+        float, QuantityIn(unit="s", what="time, such as 2", least=0, most=60)
+    ] = Field(default=2.0, description="slcan: pause after opening (s).")
 
 
 def frame_bits(size: int, *, stuffed: bool = False) -> int:
@@ -272,18 +293,31 @@ def open_bus(address: Address, pulse: Pulse | None = None) -> CanBus:
         )
     key = (address.transport, address.place)
     if key not in _OPEN:
-        bitrate = number(address, "bitrate", BITRATE)
+        given = can_options(address)
         _OPEN[key] = CanBus(
             name=f"{address.transport}://{address.place}",
             raw=raw_bus(address),
             key=key,
-            bitrate=bitrate,
-            budget=number(address, "budget", BUDGET_SECONDS),
+            bitrate=given.bitrate,
+            budget=given.budget,
             pulse=pulse,
             control=lockstep(address),
         )
         _OPEN[key].count_from_here()
     return _OPEN[key]
+
+
+def can_options(address: Address) -> CanOptions:
+    """The bus's options in a device's URL.
+
+    Raises:
+        InputError: one cannot be, or has no effect on this kind of bus.
+    """
+    if "sleep_after_open" in address.options and address.transport != "slcan":
+        raise InputError(
+            f"the device URL {address.url}: 'sleep_after_open' is for slcan adapters; leave it out"
+        )
+    return read_options(CanOptions, address)
 
 
 def raw_bus(address: Address) -> Any:
@@ -313,10 +347,11 @@ def _options(address: Address) -> Mapping[str, Any]:
             "port": int(port or 43113),
             "hop_limit": 0,
         }
+    given = can_options(address)
     options: dict[str, Any] = {
         "channel": address.place,
-        "bitrate": int(number(address, "bitrate", BITRATE)),
+        "bitrate": given.bitrate,
     }
     if address.transport == "slcan":
-        return {**options, "sleep_after_open": number(address, "sleep_after_open", 2.0)}
+        return {**options, "sleep_after_open": given.sleep_after_open}
     return {**options, "interface": address.transport}

@@ -6,11 +6,15 @@ import contextlib
 import os
 import select
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+from pydantic import Field
+
+from cosim.base.form import QuantityIn
 from hil.device.errors import DeviceError, DeviceGone
 from hil.emulation.side_channel import Control
 from hil.setup.address import Address
+from hil.setup.options import UrlOptions, read_options
 
 if TYPE_CHECKING:
     from cosim.base.pulse import Pulse
@@ -21,6 +25,17 @@ SETTLE_SECONDS = 0.01
 QUIET_AFTER_DEATH = 5
 """Looks at an emulator's counts that have to agree before a dead process counts as silent."""
 BAUD = 115200
+
+
+class SerialOptions(UrlOptions):
+    """Options of a device on a serial port."""
+
+    baud: Annotated[
+        int,
+        QuantityIn(unit="1", what="baud rate, such as 115200", least=50, most=10**8, whole=True),
+    ] = Field(default=BAUD, description="Bits a second on the wire (UART).")
+
+
 """USB serial ignores it; a real UART takes ``baud`` from the URL."""
 
 
@@ -36,7 +51,7 @@ class SerialPort:
 
         self._pulse, self._number = pulse, number
         self.sent = 0
-        baud = int(address.options.get("baud", BAUD))
+        baud = read_options(SerialOptions, address).baud
         try:
             self._port: Any = serial.serial_for_url(  # pyright: ignore[reportUnknownMemberType]
                 address.serial_url, baudrate=baud, timeout=0, write_timeout=0
@@ -186,9 +201,9 @@ def lockstep(address: Address) -> Control | None:
     Raises:
         DeviceError: lock-step without an emulator to be in step with.
     """
-    if address.options.get("lockstep") != "1":
+    if not address.is_lockstep:
         return None
-    path = address.options.get("emulator")
+    path = address.emulator
     if path is None:
         raise DeviceError("lockstep=1 needs emulator=PATH, the emulator's side channel")
     return Control(path)

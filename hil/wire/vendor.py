@@ -7,20 +7,55 @@ watchdog on the board that was seen to fire on this very device (``hil.safety.sa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from math import ceil
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Tag
 
 from cosim.base.errors import InputError
-from cosim.base.show import show
+from cosim.base.form import Form, QuantityIn, mapping_tag
 from hil.safety.conversion import VoltageDrive
 from hil.safety.linkage import Pair
-from hil.setup.device_file import DeviceFile, Joint
+from hil.setup.device_file import Joint
+from hil.setup.settings import DriverSettings
 
 WATCHDOG_SECONDS = 0.020
 PROOF = 5.0
 """A watchdog that is let expire has to do so within so many of its timeouts."""
+
+
+Timeout = Annotated[
+    float,
+    QuantityIn(
+        unit="s",
+        what="watchdog timeout, such as 0.02 or '20 ms'; a hand feels what comes later than 0.1 s",
+        least=0.002,
+        most=0.1,
+    ),
+]
+
+
+class WatchdogForm(Form):
+    """The board's watchdog."""
+
+    timeout: Timeout = Field(default=WATCHDOG_SECONDS, description="Silence until it fires (s).")
+
+
+class VendorSettings(DriverSettings):
+    """``settings`` of a device that is reached through its maker's package."""
+
+    watchdog: Annotated[
+        Annotated[Timeout, Tag("plain")] | Annotated[WatchdogForm, Tag("mapping")],
+        Discriminator(mapping_tag),
+    ] = Field(default=WatchdogForm(), description="The board's watchdog.")
+
+    @property
+    def timeout(self) -> float:
+        """The watchdog's timeout (s)."""
+        given = self.watchdog
+        return given.timeout if isinstance(given, WatchdogForm) else given
 
 
 def vendor(module: str, *, driver: str, install: str) -> Any:
@@ -36,24 +71,6 @@ def vendor(module: str, *, driver: str, install: str) -> Any:
             f"the driver '{driver}' needs its maker's package '{module}', which cannot be "
             f"imported ({error}): {install}"
         ) from error
-
-
-def timeout_of(file: DeviceFile) -> float:
-    """The watchdog's timeout (s) that a device file's ``settings`` ask for.
-
-    Raises:
-        InputError: it is no time, or too long to protect a hand.
-    """
-    settings: object = file.settings.get("watchdog", {})
-    value: object = settings.get("timeout") if isinstance(settings, Mapping) else settings  # pyright: ignore[reportUnknownMemberType, reportUnknownVariableType]
-    if value is None:
-        return WATCHDOG_SECONDS
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.002 <= value <= 0.1:
-        raise InputError(
-            f"'settings.watchdog.timeout' has to be 0.002 to 0.1 s, it is {show(value)}: "
-            "a hand feels what comes later"
-        )
-    return float(value)
 
 
 def fires(expired: Callable[[], bool], pause: Callable[[], None], ticks: float) -> bool:

@@ -17,9 +17,11 @@ from hil.emulation.links import PtyLink
 from hil.emulation.server import Server
 from hil.emulation.world import World
 from hil.realtime.ring import Reader, Ring
-from hil.setup.address import number, numbers, parse
+from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, load
 from hil.setup.device_file import parse as parse_file
+from hil.setup.options import check_options
+from hil.setup.registry import find, names
 from tests.fuzz.script import Script
 from tests.fuzz.wire import Rest
 
@@ -111,9 +113,8 @@ def device_url(data: bytes) -> None:
         address = parse(text)
         assert address.url == text
         assert "://" in text
-        for name in (*address.options, "nodes"):
-            number(address, name, 0.0)
-            numbers(address, name, 2, (0, 1))
+        for kind in names():
+            check_options(find(kind).options, address)
     except InputError:
         return
 

@@ -150,7 +150,7 @@ def _read_python(
     if made is not None:
         component = made
     elif written.kind is Kind.DEVICE:
-        component = python.open_device(written.source, written.options)
+        component = python.open_device(written.source, written.options, scenario.safety)
     elif written.kind is Kind.PLAYBACK:
         from cosim.master.run.playback import Playback
 

@@ -45,11 +45,11 @@ def load_class(source: str, folder: Path) -> Component:
         raise InputError(f"{source} cannot be made without arguments: {error}") from None
 
 
-def open_device(url: str, options: Mapping[str, Any]) -> Component:
+def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any]) -> Component:
     """The device component that a URL stands for, from the entry points ``cohaptic.devices``.
 
     The part of the URL's scheme before ``+`` names the driver; the entry point's object offers
-    ``component(url, options)``.
+    ``component(url, options, safety)``; ``safety`` are the scenario's limits for every device.
 
     Raises:
         InputError: there is no driver of that name, or it cannot be loaded.
@@ -64,7 +64,7 @@ def open_device(url: str, options: Mapping[str, Any]) -> Component:
         driver: Any = found[name].load()
     except ImportError as error:
         raise InputError(f"the device driver '{name}' cannot be loaded: {error}") from None
-    return driver.component(url, dict(options))
+    return driver.component(url, dict(options), dict(safety))
 
 
 def interface_of(name: str, component: Component, *, feedthrough: bool | None) -> Interface:

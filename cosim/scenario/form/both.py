@@ -1,8 +1,8 @@
-"""What may be written in two ways: once or for each direction, plainly or as a mapping."""
+"""What may be written in two ways: once, or for each direction."""
 
 from __future__ import annotations
 
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from pydantic import Field
 
@@ -16,8 +16,3 @@ class Both(Form, Generic[T]):
 
     forward: T | None = Field(default=None, description="From the first end of `between`.")
     backward: T | None = Field(default=None, description="Towards the first end of `between`.")
-
-
-def mapping_tag(value: Any) -> str:
-    """Whether a value is written as a mapping or plainly."""
-    return "mapping" if isinstance(value, dict) else "plain"

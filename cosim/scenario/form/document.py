@@ -20,9 +20,8 @@ from pydantic import (
     model_validator,
 )
 
-from cosim.base.form import Form, problem
+from cosim.base.form import Form, mapping_tag, problem
 from cosim.base.show import describe
-from cosim.scenario.form.both import mapping_tag
 from cosim.scenario.form.channel import ChannelForm, channel_form
 from cosim.scenario.form.fields import (
     Delay,

@@ -20,10 +20,15 @@ from hil.device.contract import BusUse, Sample, State, Watchdog
 from hil.device.device import Device
 from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
-from hil.drivers.canopen.layout import layout
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
 from hil.drivers.canopen.set_up import Timing, set_up
-from hil.drivers.canopen.settings import WATCHDOG_MS, settings
+from hil.drivers.canopen.settings import (
+    WATCHDOG_MS,
+    CanopenOptions,
+    CanopenSettings,
+    layout_of,
+    settings,
+)
 from hil.drivers.canopen.supervision import Events, Supervision, told_under
 from hil.drivers.canopen.zero_check import ZeroCheck
 from hil.drivers.samples import sample_of_counts
@@ -47,9 +52,11 @@ PRESET_TOLERANCE = 0.1
 
 
 class CanopenDevice(Device):
-    """Two joints on one to three nodes; ``settings`` as ``hil.drivers.canopen.layout`` says."""
+    """Two joints on one to three nodes."""
 
     driver = "canopen"
+    settings = CanopenSettings
+    options = CanopenOptions
     latency_ticks: ClassVar[int] = 0
 
     heartbeat = wire.LAST_NODE
@@ -61,7 +68,12 @@ class CanopenDevice(Device):
     @classmethod
     def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
         """A PDO of positions or values for each node, and the bus's one SYNC."""
-        return BusUse(layout(address, file).frames, shared=SYNC_FRAME)
+        return BusUse(layout_of(address, file).frames, shared=SYNC_FRAME)
+
+    @property
+    def knows_its_pose(self) -> bool:
+        """As its settings say."""
+        return self.file.settings_of(CanopenSettings).absolute
 
     @property
     def watchdog(self) -> Watchdog:

@@ -7,28 +7,14 @@ both outputs. ``settings.encoders`` and ``settings.outputs`` spell out any other
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
-from typing import Any, cast
+from typing import TYPE_CHECKING
 
-from cosim.base.errors import InputError
-from cosim.base.show import show
-from hil.drivers.canopen.protocol import LAST_NODE, LOGICAL_DEVICE, Index, Object
-from hil.setup.address import Address
-from hil.setup.device_file import DeviceFile
+from hil.drivers.canopen.protocol import LOGICAL_DEVICE, Index, Object
 
-SETTINGS = (
-    "absolute",
-    "encoders",
-    "heartbeat",
-    "nodes",
-    "outputs",
-    "preset",
-    "timeout",
-    "watchdog",
-)
-"""What ``settings`` of a canopen device file may hold."""
+if TYPE_CHECKING:
+    from hil.drivers.canopen.settings import ObjectForm
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,20 +95,16 @@ class Layout:
         return (*positions, *codes)
 
 
-def layout(address: Address, file: DeviceFile) -> Layout:
-    """The layout of a device.
-
-    Raises:
-        InputError: a node or an object cannot be one, or a setting is unknown.
-    """
-    _known("settings", file.settings, SETTINGS)
-    written = address.options.get("nodes")
-    nodes = _nodes(file.settings.get("nodes", [1]) if written is None else written.split(","))
+def layout(
+    nodes: tuple[int, ...],
+    encoders: Sequence[ObjectForm] | None = None,
+    outputs: Sequence[ObjectForm] | None = None,
+) -> Layout:
+    """The usual layout of one, two or three nodes, with what is spelled out in its place."""
     usual = _usual(nodes)
-    encoders, outputs = file.settings.get("encoders"), file.settings.get("outputs")
     return Layout(
-        usual.encoders if encoders is None else _two("encoders", encoders, _encoder),
-        usual.outputs if outputs is None else _two("outputs", outputs, _output),
+        usual.encoders if encoders is None else (_encoder(encoders[0]), _encoder(encoders[1])),
+        usual.outputs if outputs is None else (_output(outputs[0]), _output(outputs[1])),
     )
 
 
@@ -152,72 +134,15 @@ def _channel(node: int, channel: int) -> Output:
     return Output(node, Object(Index.OUTPUT, channel, 2))
 
 
-def _encoder(where: str, values: Mapping[str, Any]) -> Encoder:
-    _known(where, values, ("node", "object", "channel"))
-    index = _whole(f"{where}.object", values.get("object", Index.POSITION), 0x6000, 0x9FFF)
-    channel = _whole(f"{where}.channel", values.get("channel", 0), 0, 254)
+def _encoder(form: ObjectForm) -> Encoder:
+    index, channel = form.object or Index.POSITION, form.channel or 0
     preset = Index.PRESET - Index.POSITION if channel == 0 else Index.PRESETS - Index.POSITIONS
-    position = Object(index, channel, 4)
-    node = _whole(f"{where}.node", values.get("node"), 1, LAST_NODE)
-    return Encoder(node, position, Object(index + preset, channel, 4))
+    return Encoder(form.node, Object(index, channel, 4), Object(index + preset, channel, 4))
 
 
-def _output(where: str, values: Mapping[str, Any]) -> Output:
-    _known(where, values, ("node", "object", "channel"))
-    index = _whole(f"{where}.object", values.get("object", Index.OUTPUT), 0x6000, 0x9FFF)
-    channel = _whole(f"{where}.channel", values.get("channel", 1), 1, 254)
-    node = _whole(f"{where}.node", values.get("node"), 1, LAST_NODE)
-    return Output(node, Object(index, channel, 2))
-
-
-def _two(name: str, document: object, one: Any) -> Any:
-    entries = cast("list[object]", document) if isinstance(document, list) else []
-    if len(entries) != 2 or not all(isinstance(entry, Mapping) for entry in entries):
-        raise InputError(f"'settings.{name}' has to be a list of two mappings, one a joint")
-    first, second = (
-        one(f"settings.{name}[{number}]", entry) for number, entry in enumerate(entries, start=1)
-    )
-    if first == second:
-        raise InputError(f"'settings.{name}' gives both joints the same object of the same node")
-    return first, second
-
-
-def _nodes(values: Any) -> tuple[int, ...]:
-    listed = cast("list[object]", values if isinstance(values, list) else [values])
-    if len(listed) not in {1, 2, 3}:
-        raise InputError(
-            "'nodes' of a canopen device are one node with both joints, two with one each, or two "
-            f"encoders and a node with both outputs; {len(listed)} are given"
-        )
-    found = tuple(_whole("nodes", _number(value), 1, LAST_NODE) for value in listed)
-    if len(set(found)) != len(found):
-        raise InputError(f"'nodes={','.join(map(str, found))}' names a node twice")
-    return found
-
-
-def _number(value: object) -> object:
-    try:
-        return int(value, 0) if isinstance(value, str) else value
-    except ValueError:
-        return value
-
-
-def _whole(where: str, value: object, least: int, most: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(
-            f"'{where}' has to be a whole number from {least:#x} to {most:#x}, it is {show(value)}"
-            if least > LAST_NODE
-            else f"'{where}' has to be a whole number from {least} to {most}, it is {show(value)}"
-        )
-    return int(value)
-
-
-def _known(where: str, values: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    for name in values:
-        if name not in known:
-            close = get_close_matches(name, known, 1)
-            hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(known)}"
-            raise InputError(f"unknown entry '{name}' in {where}; {hint}")
+def _output(form: ObjectForm) -> Output:
+    channel = 1 if form.channel is None else form.channel
+    return Output(form.node, Object(form.object or Index.OUTPUT, channel, 2))
 
 
 def _logical(entry: Object) -> int:

@@ -1,16 +1,23 @@
-"""What the device file of a CANopen device says, checked: layout, drives, times."""
+"""What the device file and the URL of a CANopen device may say: layout, times, pose."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, isfinite
+from typing import Annotated
+
+from pydantic import Field, model_validator
 
 from cosim.base.errors import InputError
-from cosim.base.show import show
+from cosim.base.form import Form, QuantityIn, problem
 from hil.drivers.canopen.layout import Layout, layout
+from hil.drivers.canopen.protocol import LAST_NODE
 from hil.safety.conversion import VoltageDrive
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
+from hil.setup.options import IntegersIn, read_options
+from hil.setup.settings import DriverSettings
+from hil.wire.can_bus import CanOptions
 
 HEARTBEAT_MS, WATCHDOG_MS = 5, 20
 """How often a node and we say that we are alive; how long a node lets us be silent."""
@@ -18,6 +25,103 @@ LEAST_WATCHDOG_TICKS = 4
 TIMEOUT_SECONDS = 5.0
 RESIDUAL_SHARE = 0.01
 """Largest torque at code 0, which outputs drop to by themselves, as a share of the limit."""
+
+Nodes = Annotated[
+    tuple[int, ...],
+    IntegersIn(
+        counts=(1, 2, 3),
+        least=1,
+        most=LAST_NODE,
+        what="one node with both joints, two with one each, or two encoders and a node with both "
+        f"outputs: different numbers of 1 to {LAST_NODE}",
+    ),
+]
+Milliseconds = Annotated[
+    int,
+    QuantityIn(
+        unit="ms", what="time in whole ms, such as 5 or '5 ms'", least=1, most=1000, whole=True
+    ),
+]
+
+
+class CanopenOptions(CanOptions):
+    """Options in a CANopen device's URL."""
+
+    nodes: Nodes | None = Field(default=None, description="Node numbers; they win over the file's.")
+
+
+class ObjectForm(Form):
+    """One joint's encoder or output: an object of a node."""
+
+    node: Annotated[
+        int,
+        QuantityIn(
+            unit="1",
+            what=f"node number of 1 to {LAST_NODE}",
+            least=1,
+            most=LAST_NODE,
+            whole=True,
+        ),
+    ] = Field(description="The node's number.")
+    object: (
+        Annotated[
+            int,
+            QuantityIn(
+                unit="1",
+                what="whole number from 0x6000 to 0x9fff",
+                least=0x6000,
+                most=0x9FFF,
+                whole=True,
+            ),
+        ]
+        | None
+    ) = Field(default=None, description="The object's index; the profile's first by default.")
+    channel: (
+        Annotated[
+            int,
+            QuantityIn(unit="1", what="whole number from 0 to 254", least=0, most=254, whole=True),
+        ]
+        | None
+    ) = Field(default=None, description="Its subindex; an encoder's 0, an output's 1 by default.")
+
+
+def _different(joints: list[ObjectForm] | None, name: str) -> None:
+    if joints is not None and joints[0] == joints[1]:
+        raise problem(f"'{name}' gives both joints the same object of the same node.")
+
+
+TwoObjects = Annotated[list[ObjectForm], Field(min_length=2, max_length=2)]
+
+
+class CanopenSettings(DriverSettings):
+    """``settings`` in a CANopen device's file."""
+
+    nodes: Nodes = Field(default=(1,), description="Node numbers, which choose a usual layout.")
+    encoders: TwoObjects | None = Field(default=None, description="Each joint's encoder.")
+    outputs: TwoObjects | None = Field(default=None, description="Each joint's output.")
+    absolute: bool = Field(
+        default=False, description="Encoders that know their pose: no home pose is needed."
+    )
+    preset: bool = Field(
+        default=True, description="Whether homing writes the encoders' preset values."
+    )
+    heartbeat: Milliseconds = Field(
+        default=HEARTBEAT_MS, description="How often nodes and we say that we are alive (ms)."
+    )
+    watchdog: Milliseconds = Field(
+        default=WATCHDOG_MS, description="How long a node lets us be silent (ms)."
+    )
+    timeout: Annotated[
+        float, QuantityIn(unit="s", what="time, such as 5 or '500 ms'", above=0, most=600)
+    ] = Field(default=TIMEOUT_SECONDS, description="For an answer during set-up (s).")
+
+    @model_validator(mode="after")
+    def _both_differ(self) -> CanopenSettings:
+        _different(self.encoders, "encoders")
+        _different(self.outputs, "outputs")
+        if any(each.channel == 0 for each in self.outputs or ()):
+            raise problem("an output's 'channel' is from 1 to 254.")
+        return self
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,22 +149,26 @@ def settings(address: Address, file: DeviceFile, tick: float) -> Settings:
     Raises:
         InputError: one of them cannot be.
     """
-    timeout = file.settings.get("timeout", TIMEOUT_SECONDS)
-    if isinstance(timeout, bool) or not isinstance(timeout, int | float) or not 0 < timeout <= 600:
-        raise InputError(f"'settings.timeout' is a time in s, up to 600; not {show(timeout)}")
-    preset = file.settings.get("preset", True)
-    if not isinstance(preset, bool):
-        raise InputError(f"'settings.preset' is true or false, not {show(preset)}")
+    given = file.settings_of(CanopenSettings)
     return Settings(
-        layout=layout(address, file),
+        layout=layout_of(address, file),
         drives=(_drive(file, 0), _drive(file, 1)),
-        heartbeat_ms=max(_milliseconds(file, "heartbeat", HEARTBEAT_MS), ceil(tick * 1e3)),
-        watchdog_ms=max(
-            _milliseconds(file, "watchdog", WATCHDOG_MS), ceil(LEAST_WATCHDOG_TICKS * tick * 1e3)
-        ),
-        timeout=float(timeout),
-        preset=preset,
+        heartbeat_ms=max(given.heartbeat, ceil(tick * 1e3)),
+        watchdog_ms=max(given.watchdog, ceil(LEAST_WATCHDOG_TICKS * tick * 1e3)),
+        timeout=given.timeout,
+        preset=given.preset,
     )
+
+
+def layout_of(address: Address, file: DeviceFile) -> Layout:
+    """The layout of a device, from its URL and its file.
+
+    Raises:
+        InputError: an option in the URL cannot be.
+    """
+    given = file.settings_of(CanopenSettings)
+    nodes = read_options(CanopenOptions, address).nodes or given.nodes
+    return layout(nodes, given.encoders, given.outputs)
 
 
 def _drive(file: DeviceFile, joint: int) -> VoltageDrive:
@@ -74,10 +182,3 @@ def _drive(file: DeviceFile, joint: int) -> VoltageDrive:
             "'bias': trim the amplifier, so that 0 V is no torque"
         )
     return drive
-
-
-def _milliseconds(file: DeviceFile, name: str, otherwise: int) -> int:
-    value = file.settings.get(name, otherwise)
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
-        raise InputError(f"'settings.{name}' is a time in whole ms, 1 to 1000; not {show(value)}")
-    return value

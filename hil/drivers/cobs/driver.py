@@ -17,7 +17,7 @@ from hil.drivers.samples import sample_of_counts
 from hil.safety.conversion import TorqueDrive
 from hil.safety.limits import HOLD_TICKS
 from hil.safety.linkage import Pair
-from hil.wire.serial_port import SerialPort
+from hil.wire.serial_port import SerialOptions, SerialPort
 
 WATCHDOG_MS = 20
 ANSWER_TRIES = 50
@@ -27,6 +27,7 @@ class CobsDevice(Device):
     """Two axes that take torque as a float and answer with encoder counts."""
 
     driver = "cobs"
+    options = SerialOptions
     latency_ticks: ClassVar[int] = 1
     has_input: ClassVar[bool] = True
 

@@ -8,18 +8,21 @@ never sent while an answer is outstanding, any odd byte is a fault, and a fault 
 from __future__ import annotations
 
 from math import degrees, radians
-from typing import ClassVar
+from typing import Annotated, ClassVar
+
+from pydantic import Field
 
 from cosim.base.errors import InputError
+from cosim.base.form import QuantityIn
 from hil.device.contract import ZERO, Sample
 from hil.device.device import Device
 from hil.device.errors import ProtocolError
 from hil.drivers.haply.protocol import IO_BYTES, REPLY_BYTES, Axis, angles, reset, setup, torques
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
-from hil.setup.address import numbers
-from hil.setup.settings import pair_setting, setting
-from hil.wire.serial_port import SerialPort
+from hil.setup.options import IntegersIn, read_options
+from hil.setup.settings import DriverSettings
+from hil.wire.serial_port import SerialOptions, SerialPort
 
 DEVICE = 5
 """The board's address that the maker's examples use."""
@@ -28,22 +31,45 @@ OUTSTANDING_TICKS = 3
 ANSWER_SECONDS = 0.020
 
 
+Ports = Annotated[
+    tuple[int, ...], IntegersIn(least=1, most=4, what="two different ports of 1 to 4, such as 2,1")
+]
+
+
+class HaplyOptions(SerialOptions):
+    """Options in a Haply's URL."""
+
+    ports: Ports | None = Field(default=None, description="The ports of the two motors.")
+
+
+class HaplySettings(DriverSettings):
+    """``settings`` in a Haply's device file."""
+
+    ports: Ports = Field(default=(2, 1), description="The ports of the two motors.")
+    rotation: Annotated[
+        tuple[int, ...],
+        IntegersIn(least=0, most=1, what="two of 0 or 1, such as 1,1", different=False),
+    ] = Field(default=(1, 1), description="Which way each encoder counts.")
+    device: Annotated[
+        int, QuantityIn(unit="1", what="device number from 0 to 255", least=0, most=255, whole=True)
+    ] = Field(default=DEVICE, description="The board's number.")
+
+
 class HaplyDevice(Device):
-    """Two axes; the device file's ``settings`` may give ``ports``, ``rotation``, ``device``."""
+    """Two axes on a serial port."""
 
     driver = "haply"
+    settings = HaplySettings
+    options = HaplyOptions
     latency_ticks: ClassVar[int] = 1
 
     _port: SerialPort | None = None
 
     def _open(self) -> None:
-        ports = numbers(self.address, "ports", 2, pair_setting(self.file, "ports", (2, 1)))
-        rotation = pair_setting(self.file, "rotation", (1, 1))
-        self._number = int(setting(self.file, "device", DEVICE))
-        if len(set(ports)) != 2 or not all(1 <= port <= 4 for port in ports):
-            raise InputError(f"the Haply ports {ports} have to be two different ones of 1 to 4")
-        if not set(rotation) <= {0, 1} or not 0 <= self._number <= 255:
-            raise InputError("a Haply's 'rotation' is 0 or 1, and its 'device' 0 to 255")
+        given = self.file.settings_of(HaplySettings)
+        ports = read_options(HaplyOptions, self.address).ports or given.ports
+        rotation = given.rotation
+        self._number = given.device
         self._axes = [
             Axis(port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn)
             for i, joint in enumerate(self.file.joints)

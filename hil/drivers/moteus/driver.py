@@ -13,17 +13,20 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Coroutine
 from math import isfinite, nan
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
 
 from cosim.base.errors import InputError
+from cosim.base.form import QuantityIn
 from hil.device.contract import ZERO, Sample, State, Watchdog
 from hil.device.device import Device
 from hil.device.errors import BoardError, DeviceError, DeviceGone, ProtocolError
 from hil.drivers.samples import sample_of_turns
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
-from hil.setup.address import number, numbers
-from hil.wire.vendor import fires, timeout_of, vendor
+from hil.setup.options import IntegersIn, UrlOptions, read_options
+from hil.wire.vendor import VendorSettings, fires, vendor
 
 INSTALL = "run 'pip install moteus>=1.1' to install it"
 STOPPED, FAULT, POSITION, TIMEOUT = 0, 1, 10, 11
@@ -34,10 +37,24 @@ SET_UP_SECONDS = 2.0
 TRIES = 50
 
 
+class MoteusOptions(UrlOptions):
+    """Options in the URL of two controllers."""
+
+    ids: Annotated[
+        tuple[int, ...],
+        IntegersIn(least=1, most=127, what="two different numbers of 1 to 127, such as 1,2"),
+    ] = Field(default=(1, 2), description="The controllers of joint 1 and 2.")
+    budget: Annotated[
+        float, QuantityIn(unit="s", what="time, such as 0.002 or '2 ms'", above=0, most=600)
+    ] = Field(default=ANSWER_SECONDS, description="How long the bus may take (s).")
+
+
 class MoteusDevice(Device):
-    """Two axes in turns and N.m; ``?ids=1,2`` are the controllers of joint 1 and 2."""
+    """Two axes in turns and N.m."""
 
     driver = "moteus"
+    settings = VendorSettings
+    options = MoteusOptions
     shares_port: ClassVar[bool] = False
 
     _transport: Any = None
@@ -51,9 +68,9 @@ class MoteusDevice(Device):
 
     def _open(self) -> None:
         self._moteus = vendor("moteus", driver=self.driver, install=INSTALL)
-        self._timeout = timeout_of(self.file)
-        self._ids = numbers(self.address, "ids", 2, (1, 2))
-        self._budget = number(self.address, "budget", ANSWER_SECONDS)
+        self._timeout = self.file.settings_of(VendorSettings).timeout
+        given = read_options(MoteusOptions, self.address)
+        self._ids, self._budget = given.ids, given.budget
         self._sequence, self._proved = 0, False
         self._modes: dict[int, int] = {}
         if not self.address.place:

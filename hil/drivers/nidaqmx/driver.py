@@ -9,7 +9,9 @@ documentation.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from cosim.base.errors import InputError
 from hil.device.contract import Sample, State
@@ -17,18 +19,33 @@ from hil.device.errors import BoardError, DeviceGone
 from hil.drivers.card import CardDevice
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
-from hil.setup.address import numbers
-from hil.wire.vendor import fires, timeout_of, vendor
+from hil.setup.options import IntegersIn, UrlOptions, read_options
+from hil.wire.vendor import VendorSettings, fires, vendor
 
 INSTALL = "run 'pip install nidaqmx' and install NI-DAQmx"
 READ_SECONDS = 0.005
 """How long a call may wait for the card."""
 
 
+Channels = Annotated[
+    tuple[int, ...],
+    IntegersIn(least=0, most=1023, what="two different channel numbers, such as 0,1"),
+]
+
+
+class NidaqmxOptions(UrlOptions):
+    """Options in a card's URL."""
+
+    counters: Channels = Field(default=(0, 1), description="N of the two encoders' `ctrN`.")
+    outputs: Channels = Field(default=(0, 1), description="N of the two outputs' `aoN`.")
+
+
 class NidaqmxDevice(CardDevice):
-    """``?counters=0,1&outputs=0,1`` are numbers of the card's ``ctrN`` and ``aoN``."""
+    """Two counters and two outputs of a card."""
 
     driver = "nidaqmx"
+    settings = VendorSettings
+    options = NidaqmxOptions
 
     _output: Any = None
     _guard_task: Any = None
@@ -41,13 +58,12 @@ class NidaqmxDevice(CardDevice):
         self._error: type[Exception] = vendor(
             "nidaqmx.errors", driver=self.driver, install=INSTALL
         ).Error
-        self._timeout = timeout_of(self.file)
+        self._timeout = self.file.settings_of(VendorSettings).timeout
         self._tasks: list[Any] = []
         self._sequence, self._proved = 0, False
         try:
-            self._counters = [
-                self._counter(number) for number in numbers(self.address, "counters", 2, (0, 1))
-            ]
+            counters = read_options(NidaqmxOptions, self.address).counters
+            self._counters = [self._counter(number) for number in counters]
             self._output = self._analogue_output()
             self._write(self._rest)
         except self._error as error:
@@ -75,7 +91,7 @@ class NidaqmxDevice(CardDevice):
         return task
 
     def _channels(self) -> list[str]:
-        found = numbers(self.address, "outputs", 2, (0, 1))
+        found = read_options(NidaqmxOptions, self.address).outputs
         return [f"{self.address.place}/ao{number}" for number in found]
 
     def _prove_watchdog(self) -> None:

@@ -7,11 +7,14 @@ Axis heartbeats have to come at least every 10 ms (``heartbeat_msg_rate_ms``), e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from math import pi
-from typing import Any, ClassVar
+from typing import Annotated, ClassVar
+
+from pydantic import Field, model_validator
 
 from cosim.base.errors import InputError
+from cosim.base.form import Form, QuantityIn, problem
 from hil.device.contract import ZERO, BusUse, Sample, State, Watchdog
 from hil.device.device import Device
 from hil.device.errors import BoardError, DeviceError
@@ -20,10 +23,11 @@ from hil.drivers.odrive.protocol import Command, identifier
 from hil.drivers.samples import sample_of_turns
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
-from hil.setup.address import Address, numbers
+from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
-from hil.setup.settings import setting
-from hil.wire.can_bus import CanBus, open_bus
+from hil.setup.options import IntegersIn, read_options
+from hil.setup.settings import DriverSettings
+from hil.wire.can_bus import CanBus, CanOptions, open_bus
 
 FRAMES = (8, 4, 8, 4)
 """Data bytes on the bus in a tick: estimates and torque, per axis."""
@@ -31,10 +35,60 @@ WAIT_TICKS = 400
 """Exchanges within which an axis has to answer during set-up."""
 
 
+Endpoint = Annotated[
+    int, QuantityIn(unit="1", what="endpoint number", least=0, most=65535, whole=True)
+]
+
+
+class OdriveOptions(CanOptions):
+    """Options in an ODrive's URL."""
+
+    nodes: Annotated[
+        tuple[int, ...],
+        IntegersIn(least=0, most=63, what="two different node numbers of 0 to 63, such as 0,1"),
+    ] = Field(default=(0, 1), description="Node numbers of the two axes.")
+
+
+class OdriveWatchdog(Form):
+    """The axes' watchdog, off in a new ODrive."""
+
+    timeout: (
+        Annotated[
+            float,
+            QuantityIn(unit="s", what="time, such as 0.02 or '20 ms'", above=0, most=60),
+        ]
+        | None
+    ) = Field(default=None, description="Silence until it fires (s); off unless it is given.")
+    timeout_endpoint: Endpoint | None = Field(
+        default=None, description="Endpoint of `axis.config.watchdog_timeout`."
+    )
+    enable_endpoint: Endpoint | None = Field(
+        default=None, description="Endpoint of `axis.config.enable_watchdog`."
+    )
+
+    @model_validator(mode="after")
+    def _has_a_timeout(self) -> OdriveWatchdog:
+        for name in ("timeout_endpoint", "enable_endpoint"):
+            if self.timeout is None and getattr(self, name) is not None:
+                raise problem(f"'{name}' is written with a 'timeout' only; give one (s).")
+        return self
+
+
+class OdriveSettings(DriverSettings):
+    """``settings`` in an ODrive's device file."""
+
+    current_limit: Annotated[
+        float, QuantityIn(unit="A", what="current, such as 10", above=0, most=1000)
+    ] = Field(default=10.0, description="Largest motor current (A).")
+    watchdog: OdriveWatchdog = Field(default=OdriveWatchdog(), description="The axes' watchdog.")
+
+
 class OdriveDevice(Device):
-    """Two axes in torque mode; the file's ``settings`` may give ``current_limit``, ``watchdog``."""
+    """Two axes in torque mode."""
 
     driver = "odrive"
+    settings = OdriveSettings
+    options = OdriveOptions
     latency_ticks: ClassVar[int] = 1
 
     _bus: CanBus | None = None
@@ -48,14 +102,13 @@ class OdriveDevice(Device):
     @property
     def watchdog(self) -> Watchdog:
         """Off in a new ODrive; verified once ``device check`` has seen it fire."""
-        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
-        timeout = settings.get("timeout")
+        timeout = self.file.settings_of(OdriveSettings).watchdog.timeout
         if timeout is None:
             return Watchdog()
-        return Watchdog(timeout=float(timeout), verified=self.watchdog_proved(float(timeout)))
+        return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 
     def _open(self) -> None:
-        self._nodes = numbers(self.address, "nodes", 2, (0, 1))
+        self._nodes = read_options(OdriveOptions, self.address).nodes
         self._seen = dict.fromkeys(self._nodes, 0)
         self._beats = dict.fromkeys(self._nodes, 0)
         self._states = dict.fromkeys(self._nodes, 0)
@@ -76,16 +129,18 @@ class OdriveDevice(Device):
 
     def _limits(self) -> bytes:
         turns = self.file.limits.joint_speed / (2 * pi)
-        return wire.set_limits(turns, setting(self.file, "current_limit", 10.0))
+        return wire.set_limits(turns, self.file.settings_of(OdriveSettings).current_limit)
 
     def _set_watchdog(self, node: int) -> None:
-        settings: Mapping[str, Any] = self.file.settings.get("watchdog", {})
-        if "timeout" not in settings:
+        given = self.file.settings_of(OdriveSettings).watchdog
+        if given.timeout is None:
             return
-        for name, value in (("timeout", float(settings["timeout"])), ("enable", True)):
-            endpoint = settings.get(f"{name}_endpoint")
+        for endpoint, value in (
+            (given.timeout_endpoint, given.timeout),
+            (given.enable_endpoint, True),
+        ):
             if endpoint is not None:
-                self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(int(endpoint), value))
+                self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(endpoint, value))
 
     def _receive(self) -> Sample | None:
         bus = self._opened()

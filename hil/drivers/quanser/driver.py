@@ -10,29 +10,53 @@ HIL Python API documentation.
 from __future__ import annotations
 
 from array import array
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from cosim.base.errors import InputError
+from cosim.base.form import QuantityIn
 from hil.device.contract import Sample, State
 from hil.device.errors import BoardError, DeviceGone
 from hil.drivers.card import CardDevice
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
-from hil.setup.address import numbers
-from hil.setup.settings import setting
-from hil.wire.vendor import fires, timeout_of, vendor
+from hil.setup.options import IntegersIn, UrlOptions, read_options
+from hil.wire.vendor import VendorSettings, fires, vendor
 
 INSTALL = "install the Quanser SDK (github.com/quanser) with its Python packages"
 
 
-class QuanserDevice(CardDevice):
-    """``?encoders=0,1&outputs=0,1`` are channels.
+Channels = Annotated[
+    tuple[int, ...],
+    IntegersIn(least=0, most=1023, what="two different channel numbers, such as 0,1"),
+]
 
-    ``settings`` may give ``watchdog.timeout`` (s), and ``digital_outputs``: how many of them go
-    tristate with it (Q8 cards ask for that).
-    """
+
+class QuanserOptions(UrlOptions):
+    """Options in a card's URL."""
+
+    encoders: Channels = Field(default=(0, 1), description="Channels of the two encoders.")
+    outputs: Channels = Field(default=(0, 1), description="Channels of the two outputs.")
+
+
+class QuanserSettings(VendorSettings):
+    """``settings`` in a card's device file."""
+
+    digital_outputs: Annotated[
+        int, QuantityIn(unit="1", what="number of digital outputs", least=0, most=1024, whole=True)
+    ] = Field(
+        default=0,
+        description="How many digital outputs go tristate with the watchdog (Q8 cards ask for it).",
+    )
+
+
+class QuanserDevice(CardDevice):
+    """Two encoders and two outputs of a card."""
 
     driver = "quanser"
+    settings = QuanserSettings
+    options = QuanserOptions
 
     _card: Any = None
 
@@ -41,9 +65,10 @@ class QuanserDevice(CardDevice):
         kind, _, identifier = self.address.place.partition("/")
         if not kind:
             raise InputError(f"'{self.address.url}' does not name a card: write quanser://q8_usb/0")
-        self._timeout = timeout_of(self.file)
-        self._encoders = array("I", numbers(self.address, "encoders", 2, (0, 1)))
-        self._outputs = array("I", numbers(self.address, "outputs", 2, (0, 1)))
+        self._timeout = self.file.settings_of(QuanserSettings).timeout
+        given = read_options(QuanserOptions, self.address)
+        self._encoders = array("I", given.encoders)
+        self._outputs = array("I", given.outputs)
         self._counts, self._sequence, self._proved = array("i", (0, 0)), 0, False
         try:
             self._card = self._module.HIL(kind, identifier or "0")
@@ -56,7 +81,7 @@ class QuanserDevice(CardDevice):
     def _prove_watchdog(self) -> None:
         """A card without a watchdog can be read and run dry; it is never given output."""
         card, rest = self._card, array("d", self._rest)
-        digital = int(setting(self.file, "digital_outputs", 0))
+        digital = self.file.settings_of(QuanserSettings).digital_outputs
         tristate = self._module.DigitalState.TRISTATE
         try:
             card.watchdog_set_analog_expiration_state(self._outputs, 2, rest)
