@@ -18,6 +18,7 @@ from cosim.base.recording import RecordGroup
 from cosim.master.run.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
+from cosim.record.playback import KINDS
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
 from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
@@ -71,7 +72,7 @@ def run_scenario(
     execute: Execute | None = None,
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
-    made: Mapping[str, Component] | None = None,
+    instances: Mapping[str, Component] | None = None,
     link: Callable[[], Mapping[str, Any]] | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
@@ -79,7 +80,7 @@ def run_scenario(
     Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
     drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
     of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
-    for those of a real link. ``made`` holds Python components that exist already, by name.
+    for those of a real link. ``instances`` holds components that exist already, by name.
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -88,7 +89,7 @@ def run_scenario(
     """
     began = time.perf_counter()
     check_folder(out)
-    with assemble(scenario, made) as simulation:
+    with assemble(scenario, instances, KINDS) as simulation:
         units = {
             column.name: column.unit or ""
             for group in simulation.groups

@@ -64,10 +64,11 @@ def _check(
     from cosim.analysis import load_tuned
     from cosim.cli.support.check_devices import check_devices
     from cosim.master.run.simulation import assemble
+    from cosim.record.playback import KINDS
     from cosim.scenario.describe import describe
 
     loaded = load_tuned(scenario, overlays, sets)
-    with assemble(loaded) as simulation:
+    with assemble(loaded, kinds=KINDS) as simulation:
         devices = check_devices(loaded, simulation)
         return loaded, {**describe(loaded), **_plan(simulation), **devices}
 

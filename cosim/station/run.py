@@ -22,6 +22,7 @@ from cosim.link.wire.transport import Address, UdpTransport, open_socket, refuse
 from cosim.master.assembly.assemble import put_together
 from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.master.run.simulation import Progress, Simulation
+from cosim.record.playback import KINDS
 from cosim.record.writer import Recorder
 from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
@@ -88,7 +89,7 @@ def run_station(
             something else.
         RunError: the others did not come.
     """
-    full = put_together(scenario)
+    full = put_together(scenario, kinds=KINDS)
     half = split(full, own)
     addresses = _addresses(half, arrangement.peers)
     refuse_open_network([arrangement.listen, *addresses], has_key=arrangement.key_file is not None)
@@ -140,14 +141,14 @@ def run_station(
             tick=tick,
             period=period,
         )
-        made = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
+        instances = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
         finished = run_scenario(
             half.scenario,
             out,
             execute=execute,
             deadlines=execute.statistics,
             figure=figure,
-            made=made,
+            instances=instances,
             link=execute.found,
         )
         full_scenario = finished.folder / FULL_SCENARIO_FILE

@@ -11,11 +11,11 @@ from cosim.base.recording import RecordGroup
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.connections import wire
 from cosim.master.assembly.layout import Layout, lay_out
-from cosim.master.assembly.participants import Participant, read_participants
+from cosim.master.assembly.participants import Factory, Participant, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
 from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.wiring import Signal, Wiring
-from cosim.scenario import Scenario
+from cosim.scenario import Kind, Scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,17 +36,22 @@ class Assembly:
     notes: tuple[str, ...]
 
 
-def put_together(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Assembly:
+def put_together(
+    scenario: Scenario,
+    instances: Mapping[str, Component] | None = None,
+    kinds: Mapping[Kind, Factory] | None = None,
+) -> Assembly:
     """Read every component, resolve every connection, order everything.
 
-    ``made`` holds Python components that exist already, by name.
+    ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
+    the master does not know, such as playback.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
     problems = Problems(scenario.root)
     clock = Clock(scenario.base_rate)
-    participants = read_participants(scenario, clock, problems, made)
+    participants = read_participants(scenario, clock, problems, instances, kinds)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)

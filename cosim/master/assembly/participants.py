@@ -22,6 +22,8 @@ from cosim.master.fmu.instance import choose_substeps, find_binary
 from cosim.scenario import Kind, Scenario
 
 Values = dict[str, list[Any]]
+Factory = Callable[[scenarios.Component], Component]
+"""Makes the component of a kind that is handed in."""
 
 
 @dataclass(slots=True)
@@ -43,11 +45,13 @@ def read_participants(
     scenario: Scenario,
     clock: Clock,
     problems: Problems,
-    made: Mapping[str, Component] | None = None,
+    instances: Mapping[str, Component] | None = None,
+    kinds: Mapping[Kind, Factory] | None = None,
 ) -> dict[str, Participant]:
     """Read every component; those with a problem are reported and left out.
 
-    ``made`` holds Python components that exist already, by name: they are not made from ``source``.
+    ``instances`` holds components that exist already, by name: they are not made from ``source``.
+    ``kinds`` makes the components of further kinds, or of one in place of what is here.
     """
     found: dict[str, Participant] = {}
     bundled = cache(_bundled)
@@ -56,7 +60,11 @@ def read_participants(
             participant = (
                 _read_fmu(written, bundled, clock, problems)
                 if written.kind is Kind.FMU
-                else _read_python(written, scenario, problems, (made or {}).get(name))
+                else _read_python(
+                    written,
+                    problems,
+                    (instances or {}).get(name) or _instance(written, scenario, kinds or {}),
+                )
             )
             clock.check_exact(scenario.ticks, participant.substeps, name)
             found[name] = participant
@@ -144,20 +152,26 @@ def _values(
     return resolved
 
 
-def _read_python(
-    written: scenarios.Component, scenario: Scenario, problems: Problems, made: Component | None
-) -> Participant:
-    if made is not None:
-        component = made
-    elif written.kind is Kind.DEVICE:
-        component = python.open_device(written.source, written.options, scenario.safety)
-    elif written.kind is Kind.PLAYBACK:
-        from cosim.master.run.playback import Playback
+def _instance(
+    written: scenarios.Component, scenario: Scenario, kinds: Mapping[Kind, Factory]
+) -> Component:
+    """A component of another kind than an FMU.
 
-        played = written.options.get("component") or written.name
-        component = Playback(Path(written.source), str(played))
-    else:
-        component = python.load_class(written.source, scenario.file.parent)
+    Raises:
+        InputError: it cannot be had, or nothing here makes its kind.
+    """
+    if written.kind in kinds:
+        return kinds[written.kind](written)
+    if written.kind is Kind.DEVICE:
+        return python.open_device(written.source, written.options, scenario.safety)
+    if written.kind is Kind.PYTHON:
+        return python.load_class(written.source, scenario.file.parent)
+    raise InputError(f"{written.name} is a {written.kind}, which nobody here can run")
+
+
+def _read_python(
+    written: scenarios.Component, problems: Problems, component: Component
+) -> Participant:
     interface = python.interface_of(written.name, component, feedthrough=written.feedthrough)
     declared = {
         name for name, v in interface.variables.items() if v.causality is Causality.PARAMETER

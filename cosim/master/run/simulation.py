@@ -14,7 +14,7 @@ from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.assembly.interface import has_cells
 from cosim.master.assembly.parameters import element_start
-from cosim.master.assembly.participants import setup_of
+from cosim.master.assembly.participants import Factory, setup_of
 from cosim.master.assembly.python_component import sentences
 from cosim.master.channels.packets import PacketCount
 from cosim.master.fmu.instance import Fmu
@@ -26,7 +26,7 @@ from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.master.run.paced_loop import PacedLoop
 from cosim.master.run.pacing import Pacer
-from cosim.scenario import Scenario
+from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
 CHUNK_SECONDS = (0.005, 0.05)
@@ -51,15 +51,20 @@ Progress = Callable[[int, float], None]
 """Told the ticks done and the loop's wall time (s), a few times a second."""
 
 
-def assemble(scenario: Scenario, made: Mapping[str, Component] | None = None) -> Simulation:
+def assemble(
+    scenario: Scenario,
+    instances: Mapping[str, Component] | None = None,
+    kinds: Mapping[Kind, Factory] | None = None,
+) -> Simulation:
     """Read, check, wire and plan a scenario; no native code has run yet.
 
-    ``made`` holds Python components that exist already, by name.
+    ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
+    the master does not know, such as playback.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
-    return Simulation(put_together(scenario, made))
+    return Simulation(put_together(scenario, instances, kinds))
 
 
 class Simulation:

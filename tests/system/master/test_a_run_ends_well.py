@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from cosim.base.errors import InputError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import assemble
+from cosim.record.playback import KINDS
 from cosim.record.writer import Recorder
 from tests.support.master.master_parts import Growing
 from tests.support.master.master_support import run, scenario_of
@@ -42,7 +45,12 @@ def test_a_played_back_component_leads_to_the_same_run(tmp_path: Path) -> None:
     recorder.close()
 
     more = {"components": {"hand_2": {"playback": str(folder)}}}
-    actual, _ = run(single_axis(tmp_path, "distributed", gains, channel, more=more))
+    replayed = single_axis(tmp_path, "distributed", gains, channel, more=more)
+    with pytest.raises(InputError, match="hand_2 is a playback, which nobody here can run"):
+        assemble(replayed)
+    actual = MemorySink()
+    with assemble(replayed, kinds=KINDS) as simulation:
+        simulation.run(actual)
     for name in ("hand_2.position", "object_2.position", "hand_1.velocity", "coupler_12.force"):
         np.testing.assert_array_equal(actual.signal(name), expected.signal(name))
 

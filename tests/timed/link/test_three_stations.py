@@ -137,7 +137,7 @@ def test_three_stations_compute_what_one_simulation_does(tmp_path: Path) -> None
                 halves[own].scenario,
                 tmp_path / own,
                 figure=False,
-                made=made,
+                instances=made,
                 execute=lambda simulation, recorder, _: simulation.run(recorder, pacer=pacer),
             )
         except BaseException:

@@ -188,7 +188,7 @@ def test_the_age_that_the_workstation_is_told_holds_all_delays(tmp_path, own, de
     grid = Grid(tick_ns=1e9 / 1024)
     remote = RemoteStation(link, grid=grid, now=lambda: 0, leads=True)
     made = {peer.component: remote}
-    finished = run_scenario(half.scenario, tmp_path / "run", figure=False, made=made)
+    finished = run_scenario(half.scenario, tmp_path / "run", figure=False, instances=made)
     with open_run(finished.folder) as run:
         age = run[f"vr_{own[-1]}.peer_age[1]"].values
     begins = 0 if delay is None else 8 * delay

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
+from cosim.record.reader import open_run
+from cosim.scenario import Component as Written
+from cosim.scenario import Kind
 
 
 class Playback(Component):
@@ -23,8 +26,6 @@ class Playback(Component):
     feedthrough = False
 
     def __init__(self, folder: Path, component: str) -> None:
-        from cosim.record import open_run
-
         self._folder = folder
         self._variables: list[Variable] = []
         self._values: dict[str, tuple[int, NDArray[np.int64]]] = {}
@@ -95,3 +96,17 @@ class Playback(Component):
                     f"{len(values) * period}"
                 )
             target[0] = values[row]
+
+
+def play(written: Written) -> Playback:
+    """The component that a scenario plays back.
+
+    Raises:
+        InputError: its run cannot be read, or has nothing recorded of it.
+    """
+    played = written.options.get("component") or written.name
+    return Playback(Path(written.source), str(played))
+
+
+KINDS = {Kind.PLAYBACK: play}
+"""What the record adds to the kinds of components that the master makes itself."""
