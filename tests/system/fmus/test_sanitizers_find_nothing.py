@@ -25,7 +25,8 @@ COMPILER = shutil.which("gcc") or shutil.which("clang")
 
 
 FLAGS = ("-std=gnu11", "-O1", "-g", "-ffp-contract=off", "-fno-math-errno", "-fno-builtin")
-FOLDERS = [FOLDER / each for each in ("fmi", "fmi/headers", "libm", "libm/musl", "shared")]
+FOLDERS = [FOLDER / each for each in ("fmi", "fmi/headers", "libm", "libm/musl")]
+FOLDERS += sorted((FOLDER / "shared").iterdir())
 
 
 def compile_with(*arguments: str | Path) -> None:
