@@ -62,7 +62,8 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
             transport=UdpTransport(socket),
             forward=lambda *_: None,
         )
-        link.renew(keys)
+        link.offer(keys, same=False)
+        link.use(keys.session)
         grid = Grid(tick_ns=float(TICK * 10**9))
         remote = RemoteStation(link, grid=grid, now=time.monotonic_ns, leads=own == "a")
         cells = {
@@ -128,7 +129,7 @@ def ages(delay: float, jitter: float) -> tuple[float, float, float]:
     b.watch = lambda station, tick: seen.append(station.value("lan.age")) if tick > 2048 else None
     for station in (a, b):
         station.begin(station.clock.at(10**9))
-        station.link.allow(int(2e9 * delay))
+        station.link.expect(int(2e9 * delay), int(1e9 * delay))
     run(network, [a, b], 21 * 10**9)
     wire = float(np.mean(network.impairers["a", "b"].injected.delays))
     sample = float(TICK) * PERIOD

@@ -26,11 +26,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.link.test_two_processes import COMMAND, free_ports
-
 from cosim.link.wire.packet import Kind
 from cosim.link.wire.transport import Address
 from cosim.testing.proxy import Proxy
+from tests.timed.link.test_two_processes import COMMAND, free_ports
 
 RATE = 128
 KINDS = ("none", "foreign", "replayed", "forged", "long", "all x200")

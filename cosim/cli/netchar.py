@@ -73,13 +73,19 @@ def serve_command(
     finally:
         link.close()
     click.echo(err=True)
-    facts = {"relayed": relay.received, "dropped": relay.dropped, "capped": relay.capped}
+    facts = {
+        "relayed": relay.received,
+        "dropped": relay.dropped,
+        "capped": relay.capped,
+        "handshakes_failed": relay.handshakes_failed,
+    }
     if as_json:
         click.echo(json.dumps(facts))
     else:
         click.echo(
             f"{relay.received} packets of the last measurement relayed; {relay.dropped} datagrams "
-            f"were not authentic or stray, {relay.capped} beyond the caps."
+            f"were not authentic or stray, {relay.capped} beyond the caps; "
+            f"{relay.handshakes_failed} greetings failed."
         )
 
 
@@ -205,6 +211,12 @@ def _table(found: Characteristics, facts: dict[str, Any]) -> str:
                 f"1/{rate['achievable']:.0f} s (limit: {rate['limit']})",
             )
         )
+    if found.capped:
+        lines.append(
+            ("Kept back by the relay", f"{found.capped} packets beyond its --max-rate, not lost")
+        )
+    if found.late_replies:
+        lines.append(("Late replies", f"{found.late_replies}, to an earlier measurement's packets"))
     if found.late_sends:
         lines.append(("Sent late here", f"{found.late_sends} packets (a busy computer)"))
     width = max(len(name) for name, _ in lines)

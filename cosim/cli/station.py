@@ -32,8 +32,10 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--key",
-    type=click.Path(path_type=Path),
-    help="Key file of 'cohaptic keygen'; needed beyond this machine.",
+    "keys",
+    multiple=True,
+    metavar="[STATION=]FILE",
+    help="Key file of 'cohaptic keygen' for a peer; needed beyond this machine.",
 )
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay a file over it.")
 @click.option("--set", "sets", multiple=True, metavar="A.B=C", help="Change one value.")
@@ -62,7 +64,7 @@ def command(
     own: str,
     listen: str,
     peers: tuple[str, ...],
-    key: Path | None,
+    keys: tuple[str, ...],
     overlays: tuple[str, ...],
     sets: tuple[str, ...],
     duration: str | None,
@@ -100,7 +102,7 @@ def command(
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
-        key_file=key,
+        key_files={name: Path(file) for name, file in _by_station(keys, "--key").items()},
         execute=PacedRun(session, cpu=cpu, real_time=realtime, say=say, console=console),
         policy=policy,
         patience=wait,
@@ -119,15 +121,24 @@ def command(
 
 
 def _peers(given: tuple[str, ...]) -> dict[str, Address]:
-    from cosim.base.errors import InputError
     from cosim.link.wire.transport import Address
 
-    found: dict[str, Address] = {}
+    return {
+        name: Address.parse(address, "--peer")
+        for name, address in _by_station(given, "--peer").items()
+    }
+
+
+def _by_station(given: tuple[str, ...], option: str) -> dict[str, str]:
+    """``station=value`` or ``value`` as a mapping; one without a name is that of ""."""
+    from cosim.base.errors import InputError
+
+    found: dict[str, str] = {}
     for text in given:
-        name, equals, address = text.partition("=")
-        name, address = (name, address) if equals else ("", text)
+        name, equals, value = text.partition("=")
+        name, value = (name, value) if equals else ("", text)
         if name in found:
-            message = f"--peer {name or address} is given twice; write --peer STATION=host:port"
+            message = f"{option} {name or value} is given twice; write {option} STATION=..."
             raise InputError(message)
-        found[name] = Address.parse(address, "--peer")
+        found[name] = value
     return found

@@ -1,7 +1,7 @@
 """A station's pace: ticks on the grid that the stations have agreed on.
 
 The master's pacer does the waiting; here it gets its start from the others, its grid from the
-leader (a follower's period is slewed), and the door is heard now and then.
+leader (a follower's period is slewed), and the handshake process is heard now and then.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
-from cosim.link.session.door import Door
-from cosim.link.stream.peer import PeerState
+from cosim.link.session.client import HandshakeProcess
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.master.run.deadlines import Deadlines
 from cosim.master.run.pacing import DeadlinePacer, Work
@@ -24,16 +23,16 @@ from cosim.master.run.pacing import DeadlinePacer, Work
 CATCH_UP = 0.4
 """Share of a period by which ticks come sooner after one another until a miss is made up."""
 HEAR_EVERY = 8
-"""Ticks between two looks at the door."""
+"""Ticks between two looks at what the handshake process says."""
 TELL_EVERY = 0.25
-"""Seconds between two reports to the door."""
+"""Seconds between two reports to it."""
 INITIAL_EVERY = 0.02
 """Seconds between two sendings of the values before the start."""
 
 
 @dataclass(slots=True, kw_only=True)
 class StationPacer:
-    """Waits for each tick of one station. ``remotes`` are in the order of the door's peers.
+    """Waits for each tick of one station. ``remotes`` are in the order of the process's peers.
 
     ``say`` shows a sentence before the start; ``patience`` (s) is how long to wait for the others;
     ``idle`` is called every base tick while waiting for them, for devices that are held at zero.
@@ -42,7 +41,7 @@ class StationPacer:
     pace: DeadlinePacer
     grid: Grid
     remotes: Sequence[RemoteStation]
-    door: Door
+    process: HandshakeProcess
     say: Callable[[str], None]
     period: int
     """Base ticks of the slowest bundle: where a station may join."""
@@ -71,7 +70,7 @@ class StationPacer:
         """
         grid = self.grid
         with _interruptible():
-            agreed = self.door.wait_for_start(
+            agreed = self.process.wait_for_start(
                 say=self.say, timeout=self.patience, meanwhile=self._meanwhile
             )
         grid.first_tick = agreed.first_tick
@@ -79,14 +78,14 @@ class StationPacer:
         origin = agreed.epoch + round(first * grid.tick_ns)
         for remote in self.remotes:
             remote.collect()
-        self.door.go_live()
+        self.process.go_live()
         margin = round(5e6)
         sent = 0
         while (now := self.clock()) < origin - margin:
             if now - sent >= INITIAL_EVERY * 1e9:
                 sent = now
                 self._send_initial(first, now, agreed.epoch)
-            self.door.hear()
+            self.process.hear()
             pause = self._meanwhile() or INITIAL_EVERY
             self.pace.sleep(min(origin - margin, now + round(pause * 1e9)))
         if now > origin:
@@ -110,7 +109,7 @@ class StationPacer:
         grid.at_deadline(session_tick, pace.due)
         pace.slew(grid.slew)
         if tick % HEAR_EVERY == 0:
-            self.door.hear()
+            self.process.hear()
             self._tell(session_tick)
 
     def summary(self) -> dict[str, Any]:
@@ -133,14 +132,8 @@ class StationPacer:
         if now - self._told < TELL_EVERY * 1e9:
             return
         self._told = now
-        lost = 0
-        for number, remote in enumerate(self.remotes):
-            states = [item.weight.state for item in remote.link.incoming]
-            stopped = any(item.receiver.stopping for item in remote.link.incoming)
-            gone = remote.link.session is None or PeerState.LOST in states or stopped
-            silent = tick > _patience(self.grid) and PeerState.WAITING in states
-            lost |= (gone or silent) << number
-        self.door.tell(lost=lost, tick=tick, epoch=self.grid.epoch)
+        alive = [remote.link.alive(tick) for remote in self.remotes]
+        self.process.tell(self.grid.epoch, alive)
 
 
 @contextmanager
@@ -163,8 +156,3 @@ def _interruptible() -> Generator[None]:
     finally:
         for number, handler in zip(stops, before, strict=True):
             signal.signal(number, handler)
-
-
-def _patience(grid: Grid) -> int:
-    """Session ticks that a peer gets for its first packet before it is looked for again."""
-    return grid.first_tick + round(1e9 / grid.tick_ns)

@@ -1,24 +1,26 @@
-"""Running one workstation: its half of the scenario, its links, its door, its record."""
+"""Running one workstation: its half of the scenario, its links, its sessions, its record."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import lcm
 from pathlib import Path
 from typing import Any, Protocol
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.link.session.door import Door
+from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.keys import read_key_file
+from cosim.link.session.start import EXCHANGES
 from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import ClockMode
-from cosim.link.wire.transport import Address, UdpTransport, open_socket, refuse_open_network
+from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
 from cosim.master.assembly.assemble import put_together
 from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.master.run.simulation import Progress, Simulation
@@ -31,6 +33,9 @@ from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
 from cosim.station.split import Half, Peer, split
+
+EXCHANGES_TO_CHOOSE = 100
+"""Clock exchanges before the start where a delay is chosen from their percentiles: two seconds."""
 
 
 class Executor(Protocol):
@@ -66,7 +71,8 @@ class Arrangement:
     listen: Address
     peers: Mapping[str, Address]
     execute: Executor
-    key_file: Path | None = None
+    key_files: Mapping[str, Path] = field(default_factory=dict[str, Path])
+    """Of each peer; of the name "" where there is one peer."""
     policy: Policy = "count"
     patience: float | None = None
     """Seconds to wait for the others; ``None``: as long as it takes."""
@@ -91,27 +97,30 @@ def run_station(
     """
     full = put_together(scenario, kinds=KINDS)
     half = split(full, own)
-    addresses = _addresses(half, arrangement.peers)
-    refuse_open_network([arrangement.listen, *addresses], has_key=arrangement.key_file is not None)
-    if arrangement.key_file is not None:
-        # Only to refuse a bad one now: the key itself is for the process at the door.
-        read_key_file(arrangement.key_file)
+    names = [peer.name for peer in half.peers]
+    addresses = _addresses(own, names, arrangement.peers)
+    key_files = _key_files(own, names, arrangement.key_files)
+    for address, key_file in zip(addresses, key_files, strict=True):
+        refuse_open_network([arrangement.listen, address], has_key=key_file is not None)
+    for key_file in dict.fromkeys(key_files):
+        if key_file is not None:
+            # Only to refuse a bad one now: the key itself is for the handshake process.
+            read_key_file(key_file)
     for sentence in half.dropped:
         say(f"left out at {own}: {sentence}")
     tick = 1 / scenario.base_rate
     period = lcm(*(b.period for peer in half.peers for b in (*peer.sends, *peer.receives)))
-    shared = len(addresses) > 1
-    door = Door(own, [peer.name for peer in half.peers])
-    sockets = [open_socket(arrangement.listen, address, shared=shared) for address in addresses]
+    process = HandshakeProcess(own, names)
+    sockets = open_sockets(arrangement.listen, addresses)
     try:
         grid = Grid(tick_ns=float(tick * 1_000_000_000))
         transports = [UdpTransport(link) for link in sockets]
         leader = min(scenario_stations(half))
         remotes = [
-            _remote(peer, transport, door.forward(number), grid, follows=peer.name == leader)
+            _remote(peer, transport, process, number, grid=grid, follows=peer.name == leader)
             for number, (peer, transport) in enumerate(zip(half.peers, transports, strict=True))
         ]
-        door.links = [remote.link for remote in remotes]
+        process.links = [remote.link for remote in remotes]
         execute = arrangement.execute
         execute.pacer = StationPacer(
             pace=DeadlinePacer(
@@ -122,7 +131,7 @@ def run_station(
             ),
             grid=grid,
             remotes=remotes,
-            door=door,
+            process=process,
             say=say,
             period=period,
             patience=arrangement.patience,
@@ -130,16 +139,19 @@ def run_station(
         )
 
         def facts() -> dict[str, Any]:
-            door.leave()
-            return _facts(own, grid, half.peers, remotes, door)
+            process.leave()
+            return _facts(own, grid, half.peers, remotes, process)
 
         execute.facts = facts
-        door.open(
+        chooses = any(setting.delay is None for peer in half.peers for setting in peer.settings)
+        process.open(
             sockets=sockets,
-            key_file=arrangement.key_file,
+            key_files=key_files,
             contracts=[contract_of(full, half, peer) for peer in half.peers],
+            addresses=[str(address) for address in addresses],
             tick=tick,
             period=period,
+            exchanges=EXCHANGES_TO_CHOOSE if chooses else EXCHANGES,
         )
         instances = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
         finished = run_scenario(
@@ -155,7 +167,7 @@ def run_station(
         full_scenario.write_text(to_yaml(scenario), encoding="utf-8")
         return finished
     finally:
-        door.close()
+        process.close()
         for link in sockets:
             link.close()
 
@@ -165,30 +177,50 @@ def scenario_stations(half: Half) -> list[str]:
     return [half.own, *(peer.name for peer in half.peers)]
 
 
-def _addresses(half: Half, given: Mapping[str, Address]) -> list[Address]:
+def _addresses(own: str, names: list[str], given: Mapping[str, Address]) -> list[Address]:
     """The address of every peer; one peer needs no name."""
-    names = [peer.name for peer in half.peers]
     if set(given) == {""} and len(names) == 1:
         return [given[""]]
-    for name in given:
-        if name not in names:
-            what = f"'{name}' is no peer of {half.own}" if name else "--peer needs a station's name"
-            raise InputError(f"{what}.{did_you_mean(name, names)}")
+    _check_names(own, names, given, "--peer")
     missing = [name for name in names if name not in given]
     if missing:
         raise InputError(
-            f"{half.own} exchanges values with {', '.join(names)}; give the address of "
+            f"{own} exchanges values with {', '.join(names)}; give the address of "
             f"{missing[0]} with --peer {missing[0]}=host:port"
         )
     return [given[name] for name in names]
 
 
+def _key_files(own: str, names: list[str], given: Mapping[str, Path]) -> list[Path | None]:
+    """The key file of every peer; one peer needs no name."""
+    if "" in given and len(names) > 1:
+        raise InputError(
+            f"{own} talks to {', '.join(names)}: with one key for all, each of them could speak in "
+            f"another's name. Make a key for each pair, and give it with --key {names[0]}=FILE"
+        )
+    if set(given) == {""}:
+        return [given[""]]
+    _check_names(own, names, given, "--key")
+    paths = list(given.values())
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise InputError("two peers have one key file: make a key for each pair with 'keygen'")
+    return [given.get(name) for name in names]
+
+
+def _check_names(own: str, names: list[str], given: Mapping[str, object], option: str) -> None:
+    for name in given:
+        if name not in names:
+            what = f"'{name}' is no peer of {own}" if name else f"{option} needs a station's name"
+            raise InputError(f"{what}.{did_you_mean(name, names)}")
+
+
 def _remote(
     peer: Peer,
     transport: UdpTransport,
-    forward: Callable[[memoryview, int], None],
-    grid: Grid,
+    process: HandshakeProcess,
+    number: int,
     *,
+    grid: Grid,
     follows: bool,
 ) -> RemoteStation:
     link = PeerLink(
@@ -196,7 +228,8 @@ def _remote(
         receives=peer.receives,
         settings=peer.settings,
         transport=transport,
-        forward=forward,
+        forward=process.forward(number),
+        hear=process.hear,
     )
     free = any(setting.clock is ClockMode.FREE for setting in peer.settings)
     return RemoteStation(
@@ -213,14 +246,19 @@ def _facts(
     grid: Grid,
     peers: Sequence[Peer],
     remotes: Sequence[RemoteStation],
-    door: Door,
+    process: HandshakeProcess,
 ) -> dict[str, Any]:
     """What goes into the manifest; never a key."""
     found: dict[str, Any] = {
         "station": own,
         "first_tick": grid.first_tick,
         "epoch": grid.epoch,
-        "sessions": door.sessions,
+        "sessions": process.sessions,
+        "handshake_process": {
+            "dropped": process.dropped,
+            "absurd": process.absurd,
+            **process.facts,
+        },
         "peers": {},
     }
     for peer, remote in zip(peers, remotes, strict=True):
@@ -233,6 +271,7 @@ def _facts(
             "unsent": getattr(transport, "unsent", 0),
             "foreign": link.foreign,
             "flood": link.flood,
+            "faulty": link.faulty,
             "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
             "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
             "clock_skew": clock.skew if clock.ready else None,
@@ -243,6 +282,14 @@ def _facts(
                     "overdue": item.receiver.overdue,
                     "overdue_by_network": item.overdue_by_network,
                     "losses": item.weight.losses,
+                    "lost_because": {
+                        reason.name.lower(): count
+                        for reason, count in zip(Reason, item.weight.causes, strict=True)
+                        if count
+                    },
+                    "last_reason": item.weight.reason.name.lower(),
+                    "delay": item.receiver.settings.delay,
+                    "late_after": item.receiver.settings.late_after,
                 }
                 for item in link.incoming
             },

@@ -11,6 +11,7 @@ from fractions import Fraction
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.interface import Element
@@ -264,11 +265,9 @@ class _Splitter:
                 self.dropped.append(f"record {record.pattern}")
         for peer in self.peers.values():
             facts = [
-                f"{bundle.channel}.{fact}"
-                for bundle in peer.receives
-                for fact in ("weight", "valid", "age", "state", "sequence", "delay")
+                f"{bundle.channel}.{fact}" for bundle in peer.receives for fact in STREAM_FACTS
             ]
-            for fact in [*facts, "round_trip", "clock_offset", "clock_skew", "phase"]:
+            for fact in [*facts, *LINK_FACTS]:
                 yield Record(pattern=f"{peer.component}.{fact}")
 
     def _field(self, signal: Signal) -> Field:

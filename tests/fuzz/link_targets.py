@@ -1,10 +1,9 @@
-"""The link between workstations: data packets, handshake, meeting, relay, contract, key file."""
+"""The link between workstations: data packets, handshake, start, relay, contract, key file."""
 
 from __future__ import annotations
 
 import copy
 import functools
-import itertools
 import tempfile
 import zlib
 from fractions import Fraction
@@ -14,11 +13,12 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.link.netchar.relay import Caps, Relay
+from cosim.link.session.asker import RETRY
 from cosim.link.session.contract import Contract
-from cosim.link.session.doorman import Doorman
-from cosim.link.session.handshake import MESSAGE_SIZE, RETRY, Handshake
+from cosim.link.session.greeting import GREETING_SIZE
 from cosim.link.session.keys import PreSharedKey, read_key_file
-from cosim.link.session.meeting import SYNC_INTERVAL, Meeting
+from cosim.link.session.negotiator import SessionNegotiator, side_of
+from cosim.link.session.start import KEEP_INTERVAL, Side, StartAgreement
 from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
 from tests.fuzz.script import Script, spoil
@@ -55,7 +55,7 @@ def data_values(data: bytes) -> None:
     keys = both_ends()
     writer = DataWriter(Sealer(keys[0].outgoing, keys[0].session), 0, bundle.size)
     receiver = Receiver(bundle, ReceiverSettings())
-    receiver.renew(Opener(keys[1].incoming, keys[1].session))
+    receiver.offer(Opener(keys[1].incoming, keys[1].session))
     low, high = bundle.spread("minimum"), bundle.spread("maximum")
     now = 0
     while script.left:
@@ -87,7 +87,7 @@ def handshakes(data: bytes) -> None:
     """A spoiled or invented message is dropped, counted, and answered by nobody."""
     script = Script(data)
     sides = {"b": _side("b", "a"), "a": _side("a", "b")}
-    message, now, turn, honest = sides["b"].poll(0), 0, "a", set[bytes]()
+    message, now, turn, honest = sides["b"].poll(0)[0], 0, "a", set[bytes]()
     for _ in range(8):
         if message is not None:
             honest.add(message)
@@ -95,50 +95,51 @@ def handshakes(data: bytes) -> None:
             if attack in honest or attack is None:
                 continue
             side = sides[turn]
-            dropped, session = side.dropped, side.session
-            assert side.receive(attack, now) is None
-            assert side.dropped == dropped + 1
-            assert side.session is session
+            dropped, session = side.drops.total, side.current
+            assert side.receive(attack, now, now).answer is None
+            assert side.drops.total == dropped + 1
+            assert side.current is session
             assert side.refusal is None
         if message is None or script.number(8) == 1:
             now += RETRY
-            message, turn = sides["b"].poll(now), "a"
+            message, turn = next(iter(sides["b"].poll(now)), None), "a"
             continue
-        message = sides[turn].receive(message, now)
+        message = sides[turn].receive(message, now, now).answer
         turn = "b" if turn == "a" else "a"
-    sessions = {side.session.session for side in sides.values() if side.session is not None}
+    sessions = {side.current.keys.session for side in sides.values() if side.current is not None}
     assert len(sessions) <= 1
 
 
-def meetings(data: bytes) -> None:
+def starts(data: bytes) -> None:
     """Spoiled messages between two that hold a session: no exception, no start of their making."""
     script = Script(data)
     a, b = _met()
-    now = 40 * SYNC_INTERVAL
+    now = 40 * KEEP_INTERVAL
     for _ in range(6):
-        now += SYNC_INTERVAL
+        now += KEEP_INTERVAL
         for receiver, sender in ((a, b), (b, a)):
             for _, message in sender.poll(now):
                 spoiled = spoil(message, script, 2)
-                dropped, start = receiver.dropped, receiver.start
+                dropped = receiver.side(sender.own).drops.total
+                start = receiver.start
                 answer = receiver.receive(sender.own, spoiled, now, now)
                 if spoiled != message:
                     assert answer is None
                     assert receiver.start is start
-                    others = receiver.dropped + receiver._guests[sender.own].handshake.dropped
-                    assert others > dropped
+                    assert receiver.side(sender.own).drops.total > dropped
     a.receive("b", script.rest(), now, now)
 
 
-def doors(data: bytes) -> None:
-    """Any datagram at the door: at most one answer, as long as a handshake message."""
+def processes(data: bytes) -> None:
+    """Any datagram at the handshake process: no answer, and no news for the loop."""
     script = Script(data)
-    doorman = copy.deepcopy(_doorman())
+    negotiator = copy.deepcopy(_negotiator())
     while script.left:
         datagram = script.take(script.number(1300))
-        datagram = datagram.ljust(MESSAGE_SIZE, b"\1") if script.number(2) else datagram
-        assert doorman.meeting.receive("b", datagram, 0, 0) is None
-        assert not doorman.news()
+        datagram = datagram.ljust(GREETING_SIZE, b"\1") if script.number(2) else datagram
+        if len(datagram) >= 24:
+            assert negotiator.agreement.receive("b", datagram, 0, 0) is None
+        assert not negotiator.news()
 
 
 def relays(data: bytes) -> None:
@@ -147,7 +148,7 @@ def relays(data: bytes) -> None:
     relay = Relay(KEY, Caps())
     while script.left:
         datagram = script.take(script.number(1300))
-        datagram = datagram.ljust(MESSAGE_SIZE, b"\1") if script.number(2) else datagram
+        datagram = datagram.ljust(GREETING_SIZE, b"\1") if script.number(2) else datagram
         assert relay.take(memoryview(datagram), SENDER, 0, lambda: 0) is None
     assert relay.received == 0
 
@@ -172,28 +173,21 @@ def key_files(data: bytes) -> None:
         return
 
 
-def _side(own: str, peer: str) -> Handshake:
-    numbers = itertools.count()
-    return Handshake(
-        own=own,
-        peer=peer,
-        key=KEY,
-        contract=Contract({"rate": 128}),
-        nonce=lambda: (own + str(next(numbers))).encode().ljust(32, b"."),
-    )
+def _side(own: str, peer: str) -> Side:
+    return side_of(own, peer, KEY, Contract({"rate": 128}))
 
 
 def _spoiled(message: bytes | None, script: Script) -> bytes | None:
     return None if message is None else spoil(message, script, 2)
 
 
-def _met() -> tuple[Meeting, Meeting]:
+def _met() -> tuple[StartAgreement, StartAgreement]:
     a, b = (
-        Meeting(own=own, handshakes={peer: _side(own, peer)}, tick=TICK, period=8)
+        StartAgreement(own=own, sides={peer: _side(own, peer)}, tick=TICK, period=8)
         for own, peer in (("a", "b"), ("b", "a"))
     )
     for step in range(8):
-        now = step * SYNC_INTERVAL
+        now = step * KEEP_INTERVAL
         waiting = [(a, "b", m) for _, m in b.poll(now)] + [(b, "a", m) for _, m in a.poll(now)]
         while waiting:
             side, sender, message = waiting.pop(0)
@@ -206,15 +200,15 @@ def _met() -> tuple[Meeting, Meeting]:
 
 
 @functools.cache
-def _doorman() -> Doorman:
-    path = _folder() / "door.key"
-    path.write_bytes(b"cohaptic-key-1 " + b"A" * 43 + b"=")
+def _negotiator() -> SessionNegotiator:
+    path = _folder() / "station.key"
+    path.write_bytes(b"cohaptic-key-1 " + b"A" * 42 + b"B=")
     path.chmod(0o600)
-    return Doorman(
+    return SessionNegotiator(
         {
             "own": "a",
             "peers": ["b"],
-            "key_file": str(path),
+            "key_files": [str(path)],
             "contracts": [{"rate": 128}],
             "tick": str(Fraction(1, 1024)),
             "period": 8,
@@ -233,8 +227,8 @@ TARGETS = {
         data_packets,
         data_values,
         handshakes,
-        meetings,
-        doors,
+        starts,
+        processes,
         relays,
         contracts,
         key_files,

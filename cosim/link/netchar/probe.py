@@ -22,7 +22,7 @@ from cosim.link.netchar.relay import (
     SERVER,
     SMALLEST,
 )
-from cosim.link.session.handshake import MESSAGE_SIZE, Handshake
+from cosim.link.session.asker import Asker
 from cosim.link.session.keys import PreSharedKey
 from cosim.link.wire.packet import HEADER, Kind, Opener, Sealer
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
@@ -55,6 +55,13 @@ class Measurement:
     """Of the first packet that came back: its number, and how many the other side had received."""
     relay_last: tuple[int, int] = (0, 0)
     """The same of the one with the highest count."""
+    began: int = 0
+    """Own time before the first packet."""
+    late_replies: int = 0
+    """Replies to an earlier measurement's packets: late, and not lost."""
+    capped: int = 0
+    """Packets that came to the other side and were not relayed because of its caps."""
+    capped_before: int = 0
     late_sends: int = 0
     """Packets sent more than half a period after their time."""
 
@@ -70,12 +77,14 @@ class Probe:
     def __init__(self, link: socket.socket, key: PreSharedKey) -> None:
         self._link = link
         self._transport = UdpTransport(link)
-        self._handshake = Handshake(own=CLIENT, peer=SERVER, key=key, contract=CONTRACT)
+        self._asker = Asker(own=CLIENT, peer=SERVER, key=key, contract=CONTRACT)
         self._buffer = memoryview(bytearray(LARGEST_READ))
         self._plain = memoryview(bytearray(LARGEST))
         self._sealer: Sealer | None = None
         self._opener: Opener | None = None
         self._sent = 0
+        self._capped = 0
+        """Packets of the session that the relay has said its caps kept back."""
 
     def connect(self, timeout: float = 3.0) -> None:
         """Shake hands with the relay.
@@ -84,26 +93,39 @@ class Probe:
             RunError: nobody answers, or with another key.
         """
         end = time.monotonic() + timeout
-        while not self._handshake.settled:
-            if time.monotonic() > end:
+        asker = self._asker
+        while asker.current is None:
+            if asker.busy:
                 raise RunError(
-                    "no relay answered: is 'cohaptic netchar serve' running there, with the same "
-                    "key, reachable through the firewall, and not busy with another measurement?"
+                    "the relay is busy with another measurement; wait until that one is over"
                 )
-            now = time.monotonic_ns()
-            question = self._handshake.poll(now)
-            if question is not None:
+            if time.monotonic() > end:
+                raise RunError(self._why_nobody())
+            for question in asker.poll(time.monotonic_ns()):
                 self._transport.send(question)
             select.select([self._link], [], [], 0.02)
             size = self._transport.receive(self._buffer)
-            if size >= 0:
-                answer = self._handshake.receive(bytes(self._buffer[:size]), now)
-                if answer is not None:
-                    self._transport.send(answer)
-        keys = self._handshake.session
-        assert keys is not None
+            if size >= HEADER.size:
+                now = time.monotonic_ns()
+                outcome = asker.receive(bytes(self._buffer[:size]), self._transport.arrival(), now)
+                if outcome.answer is not None:
+                    self._transport.send(outcome.answer)
+        keys = asker.current.keys
         self._sealer = Sealer(keys.outgoing, keys.session)
         self._opener = Opener(keys.incoming, keys.session)
+
+    def _why_nobody(self) -> str:
+        if self._asker.drops.foreign:
+            return (
+                "what comes from the relay's address does not fit the key: do both ends have the "
+                "same key file and one version of cohaptic?"
+            )
+        if self._transport.refused:
+            return "nothing listens at the relay's address: is 'cohaptic netchar serve' running?"
+        return (
+            "no relay answered: is 'cohaptic netchar serve' running there, with the same key and "
+            "reachable through the firewall?"
+        )
 
     def measure(
         self,
@@ -130,6 +152,8 @@ class Probe:
         result = Measurement(rate, size, _times(count), _times(count), _times(count), _times(count))
         datagram = memoryview(bytearray(size))
         plain = memoryview(bytearray(size - OVERHEAD))
+        result.began = time.monotonic_ns()
+        result.capped_before = self._capped
         period = 1e9 / rate
         start = time.monotonic_ns() + 2_000_000
         sent, next_progress = 0, start
@@ -156,6 +180,7 @@ class Probe:
             self._collect(result, first, min(end, time.monotonic_ns() + 50_000_000))
         if progress is not None:
             progress(sent, len(result.order), count)
+        self._capped = result.capped_before + result.capped
         for name in ("sent", "returned", "received", "relayed"):
             setattr(result, name, getattr(result, name)[:sent])
         return result
@@ -179,11 +204,11 @@ class Probe:
     def _take(self, datagram: memoryview, result: Measurement, first: int) -> None:
         assert self._opener is not None
         size = len(datagram)
-        if size == MESSAGE_SIZE and Kind.HELLO <= datagram[3] <= Kind.SYNC:
+        if size >= HEADER.size and Kind.HELLO <= datagram[3] <= Kind.KEEP:
             return  # the answer to a greeting that was sent twice
         plain = self._plain[: max(0, size - OVERHEAD)]
         genuine = (
-            size == result.size
+            size >= SMALLEST
             and datagram[3] == Kind.ECHO
             and HEADER.unpack_from(datagram)[5] == self._opener.session
             and self._opener.open(datagram, plain)
@@ -192,9 +217,13 @@ class Probe:
             result.forged += 1
             return
         arrived = self._transport.arrival()
-        sent, received, relayed, relay_count = ECHO.unpack_from(plain)
+        sent, received, relayed, relay_count, capped = ECHO.unpack_from(plain)
+        if sent < result.began:
+            result.late_replies += 1
+            return
         # Which packet this answers is told by its time, which no two packets share.
         number = int(np.searchsorted(result.sent[: self._sent - first], np.int64(sent)))
+        result.capped = max(result.capped, capped - result.capped_before)
         if number >= self._sent - first or result.sent[number] != sent:
             result.forged += 1
             return

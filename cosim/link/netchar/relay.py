@@ -8,6 +8,7 @@ rate and duration are capped, so that nobody can use it to flood somebody else.
 from __future__ import annotations
 
 import contextlib
+import math
 import select
 import socket
 import struct
@@ -15,23 +16,27 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from cosim.base.errors import InputError
+from cosim.link.session.answerer import Answerer
 from cosim.link.session.contract import Contract
-from cosim.link.session.handshake import MESSAGE_SIZE, Handshake
+from cosim.link.session.greeting import SIZES
 from cosim.link.session.keys import PreSharedKey
-from cosim.link.stream.receiver import WINDOW, WINDOW_MASK
+from cosim.link.session.live import KEEP_SIZE, LiveSession, State
 from cosim.link.wire.packet import HEADER, MAGIC, TAG_SIZE, VERSION, Kind, Opener, Sealer
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
+from cosim.link.wire.window import Window
 
 SERVER, CLIENT = "relay", "source"
-CONTRACT = Contract({"netchar": 1})
+CONTRACT = Contract({"netchar": 2})
 PROBE = struct.Struct("<q")
 """sent (ns, client's clock)."""
-ECHO = struct.Struct("<qqqQ")
-"""sent (from the probe), received, relayed (ns, server's clock), probes received so far."""
+ECHO = struct.Struct("<qqqQQ")
+"""sent (from the probe), received, relayed (ns, server's clock), probes relayed so far, capped."""
 OVERHEAD = HEADER.size + TAG_SIZE
 SMALLEST = OVERHEAD + ECHO.size
 LARGEST = 1232
 _IDLE = 2_000_000_000
+READS_AT_ONCE = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +47,15 @@ class Caps:
     """Packets a second."""
     duration: float = 3600.0
     """Seconds."""
+
+    def __post_init__(self) -> None:
+        for name, value, unit in (
+            ("rate", self.rate, "packets a second"),
+            ("duration", self.duration, "s"),
+        ):
+            if not 0.0 < value < math.inf:
+                message = f"a cap of {value:g} {unit} cannot be (--max-{name}); it is above 0"
+                raise InputError(message)
 
 
 class Relay:
@@ -54,14 +68,19 @@ class Relay:
         self.dropped = 0
         """Datagrams that were not authentic, or no probe of the present session."""
         self.received = 0
-        self._handshake = Handshake(own=SERVER, peer=CLIENT, key=key, contract=CONTRACT)
+        self.handshakes_failed = 0
+        """Greetings that came to nothing: another key, another version, noise of their size."""
+        self._answerer = Answerer(
+            own=SERVER, peer=CLIENT, key=key, contract=CONTRACT, proof_of_address=True
+        )
+        self._session: LiveSession | None = None
         self._address: tuple[object, ...] | None = None
         self._opener: Opener | None = None
         self._sealer: Sealer | None = None
         self._plain = memoryview(bytearray(LARGEST))
         self._answer = memoryview(bytearray(LARGEST))
-        self._highest = -1
-        self._seen = 0
+        self._window = Window()
+        self._capped_before = 0
         self._since = 0
         self._last = 0
         self._allowance = 0.0
@@ -71,7 +90,7 @@ class Relay:
     ) -> memoryview | bytes | None:
         """What to send back to ``sender``, if anything."""
         size = len(datagram)
-        if size == MESSAGE_SIZE and datagram[3] != Kind.PROBE:
+        if size > HEADER.size and _is_greeting(datagram[3], size):
             return self._shake_hands(bytes(datagram), sender, now())
         if not SMALLEST <= size <= LARGEST or sender != self._address or self._opener is None:
             self.dropped += 1
@@ -83,7 +102,7 @@ class Relay:
             datagram, plain
         )
         # A copy made on the way here is not relayed: nobody multiplies packets through a relay.
-        if not authentic or not self._is_first(sequence):
+        if not authentic or not self._window.is_first(sequence):
             self.dropped += 1
             return None
         if not self._within_caps(arrived):
@@ -91,7 +110,9 @@ class Relay:
             return None
         self.received += 1
         (sent,) = PROBE.unpack_from(plain)
-        ECHO.pack_into(plain, 0, sent, arrived, now(), self.received)
+        ECHO.pack_into(
+            plain, 0, sent, arrived, now(), self.received, self.capped - self._capped_before
+        )
         answer = self._answer[:size]
         assert self._sealer is not None
         self._sealer.seal(Kind.ECHO, 0, plain, answer)
@@ -99,35 +120,33 @@ class Relay:
 
     def _shake_hands(self, datagram: bytes, sender: tuple[object, ...], now: int) -> bytes | None:
         busy = self._address not in {None, sender} and now - self._last < _IDLE
-        if busy:
+        answerer = self._answerer
+        answerer.busy = busy
+        failed = answerer.drops.foreign
+        if busy and len(datagram) == KEEP_SIZE:
             self.dropped += 1
             return None
-        before = self._handshake.session
-        answer = self._handshake.receive(datagram, now)
-        session = self._handshake.session
-        if session is not None and session is not before:
+        # Whoever has not shown that he is where he says gets a cookie, and nothing else.
+        outcome = answerer.receive(datagram, now, now, repr(sender).encode())
+        self.handshakes_failed += answerer.drops.foreign - failed
+        session = answerer.current
+        if session is not None and session is not self._session:
+            self._session = session
             self._address = sender
-            self._opener = Opener(session.incoming, session.session)
-            self._sealer = Sealer(session.outgoing, session.session)
-            self._highest, self._seen, self.received = -1, 0, 0
+            keys = session.keys
+            self._opener = Opener(keys.incoming, keys.session)
+            self._sealer = Sealer(keys.outgoing, keys.session)
+            self._window, self.received = Window(), 0
+            self._capped_before = self.capped
             self._since = self._last = now
             self._allowance = self._burst
-        return answer
+        if outcome.keep is not None and session is not None:
+            return session.write(now, 0, State.NONE)
+        return outcome.answer
 
     @property
     def _burst(self) -> float:
         return max(32.0, self.caps.rate * 0.05)
-
-    def _is_first(self, sequence: int) -> bool:
-        ahead = sequence - self._highest
-        if ahead > 0:
-            self._seen = ((self._seen << ahead) | 1) & WINDOW_MASK if ahead < WINDOW else 1
-            self._highest = sequence
-            return True
-        if -ahead >= WINDOW or self._seen & (1 << -ahead):
-            return False
-        self._seen |= 1 << -ahead
-        return True
 
     def _within_caps(self, now: int) -> bool:
         """A token bucket for the rate, and the measurement's age."""
@@ -140,6 +159,10 @@ class Relay:
         return True
 
 
+def _is_greeting(kind: int, size: int) -> bool:
+    return SIZES.get(kind) == size or (kind, size) == (Kind.KEEP, KEEP_SIZE)
+
+
 def serve(
     link: socket.socket, relay: Relay, *, stop: Callable[[], bool], report: Callable[[], None]
 ) -> None:
@@ -149,7 +172,8 @@ def serve(
     next_report = 0
     while not stop():
         ready, _, _ = select.select([link], [], [], 0.25)
-        while ready:
+        # Whoever sends without end must not keep the caps and the end from being looked at.
+        for _ in range(READS_AT_ONCE if ready else 0):
             try:
                 size, sender = link.recvfrom_into(buffer)
             except OSError:

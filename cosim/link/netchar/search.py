@@ -70,10 +70,12 @@ def _judge(rate: float, measurement: Measurement, loss: float) -> tuple[Trial, s
     came = measurement.returned > 0
     span = float(measurement.sent[-1] - measurement.sent[0]) * 1e-9
     sent_rate = (measurement.count - 1) / span if span > 0.0 else rate
-    lost = 1.0 - float(came.mean())
+    lost = 1.0 - float(came.mean()) - measurement.capped / measurement.count
     why = ""
     if sent_rate < 0.95 * rate:
         why = f"this computer sent {sent_rate:.0f} of {rate:.0f} packets a second"
+    elif measurement.capped:
+        why = f"the relay's own cap (--max-rate) is below {rate:.0f} packets a second"
     elif lost > loss:
         why = f"{100.0 * lost:.2g} % were lost at {rate:.0f} packets a second"
     elif came.sum() >= 20:

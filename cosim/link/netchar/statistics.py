@@ -55,7 +55,7 @@ class Loss:
     forward: int
     backward: int
     bursts: dict[int, int]
-    """Length in packets -> how often."""
+    """Length in packets -> how often; empty where the relay's caps made gaps of their own."""
     gilbert_elliott: BurstyLoss | None
     """``None`` where losses come singly, as from independent draws, or are too few to tell."""
 
@@ -76,6 +76,10 @@ class Characteristics:
     duplicates: int
     reordered: int
     forged: int
+    capped: int
+    """Packets that the relay's caps kept back: neither lost nor measured."""
+    late_replies: int
+    """Replies to packets of an earlier measurement, which that one had counted as lost."""
     late_sends: int
     duration: float
     round_trip: Distribution | None
@@ -114,6 +118,8 @@ def characterise(measurement: Measurement) -> Characteristics:
         duplicates=measurement.duplicates,
         reordered=reordered,
         forged=measurement.forged,
+        capped=measurement.capped,
+        late_replies=measurement.late_replies,
         late_sends=measurement.late_sends,
         duration=float(sent[-1] - sent[0]) * 1e-9 if measurement.count > 1 else 0.0,
         round_trip=trips,
@@ -157,12 +163,14 @@ def _seconds(nanoseconds: NDArray[np.int64]) -> Floats:
 
 def _loss(measurement: Measurement, came: NDArray[np.bool_]) -> Loss:
     missing = ~came
-    packets = int(missing.sum())
+    # Which ones the caps kept back is not known, only how many.
+    capped = min(measurement.capped, int(missing.sum()))
+    packets = int(missing.sum()) - capped
     # Number and count of the first and last echo say how many between them never got there.
     forward = 0
     if measurement.relay_first is not None:
         (first, count_first), (last, count_last) = measurement.relay_first, measurement.relay_last
-        forward = min(packets, max(0, (last - first) - (count_last - count_first)))
+        forward = min(packets, max(0, (last - first) - (count_last - count_first) - capped))
     edges = np.flatnonzero(np.diff(np.concatenate(([0], missing.view(np.int8), [0]))))
     lengths = edges[1::2] - edges[::2]
     sizes, counts = np.unique(lengths, return_counts=True)
@@ -171,8 +179,8 @@ def _loss(measurement: Measurement, came: NDArray[np.bool_]) -> Loss:
         fraction=packets / max(1, measurement.count),
         forward=forward,
         backward=packets - forward,
-        bursts={int(s): int(c) for s, c in zip(sizes, counts, strict=True)},
-        gilbert_elliott=fit_bursts(missing),
+        bursts={} if capped else {int(s): int(c) for s, c in zip(sizes, counts, strict=True)},
+        gilbert_elliott=None if capped else fit_bursts(missing),
     )
 
 

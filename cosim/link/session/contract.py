@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Mapping
 from typing import Any, cast
@@ -20,8 +21,8 @@ class Contract:
     def __init__(self, values: Mapping[str, Any]) -> None:
         flat: dict[str, str] = {"protocol": str(VERSION)}
         _flatten(values, "", flat)
-        self.entries: Mapping[str, str] = dict(sorted(flat.items()))
-        self._text = json.dumps(self.entries, separators=(",", ":")).encode()
+        self.entries: Mapping[str, str] = dict(sorted(flat.items(), key=_natural))
+        self._text = json.dumps(self.entries, separators=(",", ":"), ensure_ascii=False).encode()
         self.hash = hashlib.sha256(self._text).digest()
         """32 bytes."""
 
@@ -48,7 +49,8 @@ class Contract:
     def difference(self, other: Mapping[str, str], own: str, peer: str) -> list[str]:
         """One sentence for each entry that differs, in the order of the paths."""
         lines: list[str] = []
-        for path in sorted(set(self.entries) | set(other)):
+        paths = dict.fromkeys((*self.entries, *other))
+        for path, _ in sorted(paths.items(), key=_natural):
             mine, theirs = self.entries.get(path), other.get(path)
             if mine == theirs:
                 continue
@@ -71,9 +73,25 @@ def _flatten(value: Any, path: str, into: dict[str, str]) -> None:
         for number, item in enumerate(items, start=1):
             _flatten(item, f"{path}[{number}]", into)
     else:
-        # repr of a float is exact; an integer and a float of one value are one value.
-        number = float(value) if isinstance(value, int | float) else None
-        into[path] = str(value) if number is None else repr(number)
+        into[path] = _text(value)
+
+
+def _text(value: Any) -> str:
+    """One value: of numbers the shortest text that is exact, so that 1 and 1.0 are one."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    # An integer that no float64 holds is written out.
+    if isinstance(value, float) or (isinstance(value, int) and abs(value) <= 1 << 53):
+        return repr(float(value))
+    return str(value)
+
+
+def _natural(entry: tuple[str, object]) -> list[tuple[int, str]]:
+    """Paths in the order of people: digits count as the number that they write."""
+    parts = re.findall(r"[0-9]+|[^0-9]+", entry[0])
+    # Of two numbers without leading zeros the longer one is larger; a peer may write any.
+    digits = [(part.lstrip("0") if part[0] in "0123456789" else None, part) for part in parts]
+    return [(-1, part) if plain is None else (len(plain), plain) for plain, part in digits]
 
 
 def _printable(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The pre-shared key in its file, and the keys that a session derives from it (RFC 5869)."""
+"""The pre-shared key in its file, and what a handshake derives from it (RFC 5869)."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class PreSharedKey:
     def __repr__(self) -> str:
         return "PreSharedKey(...)"
 
-    def derive(self, purpose: str, *, salt: bytes = b"", context: bytes = b"") -> bytes:
-        """A 32-byte key for one purpose; other purposes, salts or contexts give unrelated keys."""
-        info = _join(b"cohaptic link", bytes([VERSION]), purpose.encode(), context)
-        return HKDF(SHA256(), KEY_SIZE, salt or None, info).derive(self._secret)
+    def derive(self, purpose: str, *, context: bytes = b"") -> bytes:
+        """A 32-byte key for one purpose; other purposes or contexts give unrelated keys."""
+        info = join(b"cohaptic link", bytes([VERSION]), purpose.encode(), context)
+        return HKDF(SHA256(), KEY_SIZE, None, info).derive(self._secret)
 
 
 NO_KEY = PreSharedKey(bytes(KEY_SIZE))
@@ -51,38 +51,9 @@ class SessionKeys:
     session: int
     outgoing: bytes
     incoming: bytes
-    confirmation: bytes
-    """Proves in the handshake that a side has come to the same keys; seals nothing."""
 
     def __repr__(self) -> str:
         return f"SessionKeys(session={self.session:#018x})"
-
-
-def session_keys(
-    key: PreSharedKey,
-    *,
-    own: str,
-    peer: str,
-    own_nonce: bytes,
-    peer_nonce: bytes,
-    contract: bytes,
-) -> SessionKeys:
-    """Keys of a session between two named stations, one for each direction.
-
-    Both sides' nonces are the salt, so neither side alone can bring an old session's keys back;
-    version, both names, direction and contract hash are in the info.
-    """
-    first, second = sorted(((own, own_nonce), (peer, peer_nonce)))
-    salt = first[1] + second[1]
-    names = _join(first[0].encode(), second[0].encode(), contract)
-
-    def direction(source: str, target: str) -> bytes:
-        context = _join(names, source.encode(), target.encode())
-        return key.derive("direction", salt=salt, context=context)
-
-    session = int.from_bytes(key.derive("session", salt=salt, context=names)[:8], "little")
-    confirmation = key.derive("confirmation", salt=salt, context=names)
-    return SessionKeys(session, direction(own, peer), direction(peer, own), confirmation)
 
 
 def create_key_file(path: Path) -> None:
@@ -111,7 +82,9 @@ def read_key_file(path: Path) -> PreSharedKey:
         InputError: no such file, not a key, or others may read or write it.
     """
     try:
-        with path.open("rb") as file:
+        # Not to wait for a writer where the path is a pipe.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        with os.fdopen(descriptor, "rb") as file:
             # The open file is examined, not the path: it cannot be swapped in between.
             _refuse_shared(path, os.fstat(file.fileno()))
             content = file.read(4096)
@@ -126,12 +99,23 @@ def read_key_file(path: Path) -> PreSharedKey:
     if prefix != _PREFIX.strip().encode() or len(secret) != KEY_SIZE:
         message = f"{path} is not a key; make one with 'cohaptic keygen {path.name}'"
         raise InputError(message)
+    if secret == bytes(KEY_SIZE):
+        message = (
+            f"the key in {path} is all zero, which everybody knows; make one with 'cohaptic keygen'"
+        )
+        raise InputError(message)
     return PreSharedKey(secret)
 
 
 def _refuse_shared(path: Path, status: os.stat_result) -> None:
     if not stat.S_ISREG(status.st_mode):
         message = f"the key file {path} is not a regular file"
+        raise InputError(message)
+    if os.name == "posix" and status.st_uid not in {os.geteuid(), 0}:
+        message = (
+            f"the key file {path} belongs to somebody else, who knows it and can change it; "
+            "copy it to a file of your own, or make a new key"
+        )
         raise InputError(message)
     # Windows has no such mode bits: there the folder's access list has to keep others out.
     if os.name == "posix" and status.st_mode & 0o077:
@@ -143,6 +127,12 @@ def _refuse_shared(path: Path, status: os.stat_result) -> None:
         raise InputError(message)
 
 
-def _join(*parts: bytes) -> bytes:
+def join(*parts: bytes) -> bytes:
     """Parts with their lengths in front, so that no two lists give one string."""
     return b"".join(len(part).to_bytes(4, "little") + part for part in parts)
+
+
+def prologue(own: str, peer: str) -> bytes:
+    """What both ends of a handshake take for granted: the version and both names."""
+    first, second = sorted((own.encode(), peer.encode()))
+    return join(b"cohaptic link", bytes([VERSION]), first, second)

@@ -34,6 +34,24 @@ they stop nonsense and not a fast user.
 """
 
 
+_EXACT = 2.0**53
+_LARGEST_SINGLE = (2.0 - 2.0**-23) * 2.0**127
+RANGES: Mapping[VariableType, tuple[float, float]] = {
+    VariableType.FLOAT32: (-_LARGEST_SINGLE, _LARGEST_SINGLE),
+    VariableType.INT8: (-(2.0**7), 2.0**7 - 1.0),
+    VariableType.UINT8: (0.0, 2.0**8 - 1.0),
+    VariableType.INT16: (-(2.0**15), 2.0**15 - 1.0),
+    VariableType.UINT16: (0.0, 2.0**16 - 1.0),
+    VariableType.INT32: (-(2.0**31), 2.0**31 - 1.0),
+    VariableType.UINT32: (0.0, 2.0**32 - 1.0),
+    VariableType.INT64: (-_EXACT, _EXACT),
+    VariableType.UINT64: (0.0, _EXACT),
+    VariableType.ENUMERATION: (-(2.0**31), 2.0**31 - 1.0),
+    VariableType.BOOLEAN: (0.0, 1.0),
+}
+"""What a variable's type holds; of 64-bit integers what a float64 holds exactly."""
+
+
 class FieldRole(StrEnum):
     """What a field means to the link itself, beyond being delivered."""
 
@@ -78,11 +96,9 @@ class Field:
             role = FieldRole.VALUE
         integer = not variable.type.is_float
         magnitude, default_speed = LIMITS_BY_UNIT.get(variable.unit or "", (math.inf, math.inf))
-        lowest = -magnitude
-        if integer:
-            lowest, magnitude = -(2.0**53), 2.0**53
-        if variable.type is VariableType.BOOLEAN:
-            lowest, magnitude = 0.0, 1.0
+        lowest, highest = RANGES.get(variable.type, (-math.inf, math.inf))
+        if not integer:
+            lowest, highest = max(lowest, -magnitude), min(highest, magnitude)
         return cls(
             name=name or variable.name,
             unit=variable.unit,
@@ -90,7 +106,7 @@ class Field:
             integer=integer,
             boolean=variable.type is VariableType.BOOLEAN,
             minimum=lowest if variable.minimum is None else variable.minimum,
-            maximum=magnitude if variable.maximum is None else variable.maximum,
+            maximum=highest if variable.maximum is None else variable.maximum,
             speed=default_speed if speed is None else speed,
             role=role,
         )

@@ -10,6 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.link.wire.packet import LARGEST_TIME
+
+LONGEST_TRIP = 10_000_000_000
+"""ns; what takes longer tells nothing about a clock."""
 LARGEST_SKEW = 1.0e-3
 
 
@@ -22,6 +26,8 @@ class ClockEstimate:
         self._times: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
         self._offsets: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
         self._trips: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
+        self._ways: NDArray[np.int64] = np.zeros(capacity, dtype=np.int64)
+        """Own time of arrival less the peer's time of sending."""
         self._fraction = fraction
         self._window = int(window * 1e9)
         self._count = 0
@@ -40,18 +46,22 @@ class ClockEstimate:
         """Exchanges added so far."""
         return self._count
 
-    def add(self, sent: int, peer_received: int, peer_sent: int, received: int) -> None:
-        """Add one exchange: own, peer's, peer's, own clock; nonsense is ignored."""
+    def add(self, sent: int, peer_received: int, peer_sent: int, received: int) -> bool:
+        """Add one exchange: own, peer's, peer's, own clock; whether it made sense."""
         trip = (received - sent) - (peer_sent - peer_received)
-        if not 0 <= trip < 10_000_000_000:
-            return
+        if not 0 <= trip < LONGEST_TRIP or sent > received:
+            return False
+        if max(abs(peer_received), abs(peer_sent)) > LARGEST_TIME:
+            return False
         slot = self._count % len(self._times)
         self._times[slot] = received
         # Halving the sum last keeps the half nanosecond's error out of the difference.
         self._offsets[slot] = ((peer_received - sent) + (peer_sent - received)) // 2
         self._trips[slot] = trip
+        self._ways[slot] = received - peer_sent
         self.last_round_trip = trip
         self._count += 1
+        return True
 
     def update(self, now: int) -> None:
         """Fit offset and skew to the exchanges of the window; cheap enough for once a second."""
@@ -86,6 +96,15 @@ class ClockEstimate:
     def offset(self, now: int) -> int:
         """Peer clock minus own clock at own time ``now`` (ns)."""
         return round(self._anchor_offset + self.skew * (now - self._anchor_time))
+
+    def incoming(self, fraction: float) -> int:
+        """The time (ns) from the peer to here that ``fraction`` of the packets keep."""
+        size = min(self._count, len(self._times))
+        if size == 0:
+            return 0
+        times, ways = self._times[:size], self._ways[:size]
+        offsets = self._anchor_offset + self.skew * (times - self._anchor_time)
+        return round(float(np.quantile(ways + offsets, fraction)))
 
     def forget(self) -> None:
         """Start again: a restarted peer has another clock."""

@@ -6,23 +6,33 @@ session keys come back from there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cosim.link.session.keys import SessionKeys
 from cosim.link.stream.bundle import Bundle, FieldRole
 from cosim.link.stream.clock import ClockEstimate
-from cosim.link.stream.peer import PeerWeight
+from cosim.link.stream.path import Acknowledgements, RoundTrips
+from cosim.link.stream.peer import PeerState, PeerWeight, Reason
 from cosim.link.stream.receiver import WAITING_SLOTS, Fate, Receiver, ReceiverSettings
 from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.packet import HEADER, DataWriter, Flag, Kind, Opener, Sealer
 from cosim.link.wire.transport import LARGEST_READ, Transport
 
-READS_PER_TICK = 32
+READ_AHEAD = Fraction(1, 2)
+"""Seconds of packets that one tick reads: what a radio that slept hands over at once."""
+LEAST_READS, MOST_READS = 32, 256
 GUARD_TIME = Fraction(1)
 """Seconds for which the kernel filters after a tick that had more to read than that."""
-_TELLING = (Fate.ACCEPTED, Fate.LATE)
+LIFE = Fraction(1, 4)
+"""Seconds within which a live session has been heard and acknowledged."""
+ACKNOWLEDGE_WITHIN = 4
+"""Samples beyond the round trip: two until the acknowledgement is sent, two for lost ones."""
+LARGEST_AGE = 2**31 - 1
+"""Ages and ticks are shown no larger: models take them as 32-bit integers."""
+_TELLING = (Fate.ACCEPTED, Fate.LATE, Fate.REORDERED, Fate.OUT_OF_RANGE, Fate.JUMP)
 ACTIVE = 2
 FAULT = 4
 """Bits of a status field (docs/protocol.md)."""
@@ -59,44 +69,51 @@ class PeerLink:
         settings: Sequence[LinkSettings],
         transport: Transport,
         forward: Callable[[memoryview, int], None],
+        hear: Callable[[], None] = lambda: None,
     ) -> None:
+        """``forward`` takes what is not a value and when it came, to pass it on.
+
+        ``hear`` is called when a session is not known yet: its keys may be waiting.
+        """
         self.transport = transport
         self.clock = ClockEstimate()
         self.settings = tuple(settings)
         """One for each incoming stream."""
         self.incoming = [
-            Incoming(
-                Receiver(
-                    bundle,
-                    ReceiverSettings(
-                        release=setting.release,
-                        delay=setting.delay,
-                        late_after=(setting.delay + setting.loss.hold_samples) * bundle.period,
-                        # A station that was held up meets the others' packets early until it has
-                        # caught up; they can wait.
-                        early=WAITING_SLOTS // 2 * bundle.period,
-                    ),
-                ),
-                PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick),
-            )
-            for bundle, setting in zip(receives, settings, strict=True)
+            _incoming(bundle, setting) for bundle, setting in zip(receives, settings, strict=True)
         ]
         self.outgoing = list(sends)
         self.writers = [DataWriter(None, bundle.stream, bundle.size) for bundle in sends]
         self.session: SessionKeys | None = None
+        """What is sent under."""
         self.peer_epoch = 0
         """Where the peer's clock has session tick 0 on its present grid (ns); 0: not known yet."""
         self.foreign = 0
         """Datagrams of no known kind or stream."""
         self.flood = 0
         """Datagrams thrown away unread."""
+        self.faulty = 0
+        """Datagrams that the receive path could not cope with; always 0 unless it has an error."""
         self.sent = 0
         self.before_arrival: Callable[[], None] | None = None
         """Called in a tick in which something has arrived, before that is looked at."""
-        self._forward = forward
-        self._buffer = memoryview(bytearray(LARGEST_READ))
+        self._forward, self._hear = forward, hear
+        bundles = (*receives, *sends)
+        self._tick = bundles[0].tick if bundles else Fraction(1)
+        self._period = max((bundle.period for bundle in bundles), default=1)
+        rate = sum(1 / (bundle.tick * bundle.period) for bundle in receives)
+        self.reads = min(max(LEAST_READS, math.ceil(rate * READ_AHEAD)), MOST_READS)
+        """Datagrams that a tick reads at most."""
+        self._buffers = [memoryview(bytearray(LARGEST_READ)) for _ in range(self.reads)]
+        self._offered: dict[int, SessionKeys] = {}
         self._echo = (0, 0)
         self._guarded_until: int | None = None
+        self._trips = RoundTrips()
+        self._fitted: int | None = None
+        self._acks = Acknowledgements()
+        self._first_sent: int | None = None
+        self._round_trip_ticks = 2 * max((self._most(n) for n in range(len(receives))), default=0)
+        self._heard_at = 0
         # What the loop looks at every tick is looked up once.
         self._roles = [
             (
@@ -107,47 +124,120 @@ class PeerLink:
             for item in self.incoming
         ]
 
-    def renew(self, keys: SessionKeys) -> None:
-        """Begin under a session, or go on under a new one."""
+    def offer(self, keys: SessionKeys, *, same: bool) -> None:
+        """Read packets of a session; ``same``: the peer is the one of the session before.
+
+        Sending goes on as before until :meth:`use`.
+        """
+        self._offered[keys.session] = keys
+        while len(self._offered) > 2:
+            del self._offered[next(iter(self._offered))]
+        opener = Opener(keys.incoming, keys.session)
+        for item in self.incoming:
+            item.receiver.offer(opener)
+        if not same:
+            # Another process has another clock.
+            self.clock.forget()
+            self.peer_epoch = 0
+            self._echo = (0, 0)
+        self._let_everything_in()
+
+    def use(self, session: int) -> bool:
+        """Send under a session that was offered; whether it is a new one.
+
+        A session is begun once: its sequences never start again.
+        """
+        keys = self._offered.pop(session, None)
+        if keys is None:
+            return False
         self.session = keys
+        self._acks.begin(session)
         sealer = Sealer(keys.outgoing, keys.session)
         for writer in self.writers:
             writer.renew(sealer)
-        for item in self.incoming:
-            item.receiver.renew(Opener(keys.incoming, keys.session))
-        self.clock.forget()
-        self.peer_epoch = 0
-        self._echo = (0, 0)
         self._let_everything_in()
+        return True
 
-    def allow(self, round_trip: int) -> None:
-        """Set from which age a packet is too old, from the lowest round trip (ns).
+    def expect(self, round_trip: int, incoming: int) -> None:
+        """Before the start: what the clock exchanges have measured (ns).
 
-        What a packet needs on this link is not late; what was kept back on the way for longer than
-        the hold time is.
+        ``round_trip`` is the lowest one, ``incoming`` the time that nine packets of ten need from
+        the peer to here; a stream with ``delay: auto`` waits that long, in whole samples.
         """
-        for item, setting in zip(self.incoming, self.settings, strict=True):
-            bundle = item.receiver.bundle
-            one_way = Fraction(round_trip, 2_000_000_000) / (bundle.tick * bundle.period)
-            samples = max(setting.delay, 1 + one_way.__ceil__()) + setting.loss.hold_samples
-            item.receiver.allow(late_after=samples * bundle.period)
+        self._trips.preset(round_trip)
+        for number, item in enumerate(self.incoming):
+            receiver = item.receiver
+            if self.settings[number].delay is None and receiver.sequence < 0:
+                sample = receiver.bundle.tick * receiver.bundle.period * 1_000_000_000
+                delay = max(1, math.ceil(incoming / sample))
+                most = self._most(number) // receiver.bundle.period
+                receiver.settings = replace(receiver.settings, delay=min(delay, most))
+        self._fit()
+
+    def _most(self, number: int) -> int:
+        """The longest path (base ticks) that a stream may take."""
+        bundle = self.incoming[number].receiver.bundle
+        return self.settings[number].longest_delay * bundle.period
+
+    def _fit(self) -> None:
+        """Set from which age a packet is too old, from the lowest round trip of late.
+
+        What a packet needs on this link is not late, as long as the theory allows it; what was kept
+        back on the way for longer than the hold time is.
+        """
+        trip = self._fitted = self._trips.lowest
+        if trip is None:
+            return
+        ticks = math.ceil(trip / (self._tick * 1_000_000_000))
+        most = 0
+        for number, item in enumerate(self.incoming):
+            receiver, weight = item.receiver, item.weight
+            period = receiver.bundle.period
+            path = max(receiver.settings.delay * period, ticks)
+            late_after = min(path, self._most(number)) + weight.hold
+            receiver.allow(late_after=late_after)
+            weight.first_within = late_after + 2 * period
+            most = max(most, self._most(number))
+        self._round_trip_ticks = min(ticks, 2 * most)
 
     def drain(self, tick: int) -> None:
-        """Read what has arrived: at most 32 datagrams, the rest thrown away and counted."""
+        """Read what has arrived, newest first; beyond a limit it is thrown away and counted."""
         if self._guarded_until is not None and tick >= self._guarded_until:
             self._let_everything_in()
-        buffer = self._buffer
-        for count in range(READS_PER_TICK):
-            size = self.transport.receive(buffer)
+        values: list[tuple[int, int, int, int]] = []
+        receive, buffers = self.transport.receive, self._buffers
+        count = 0
+        while count < self.reads:
+            size = receive(buffers[count])
             if size < 0:
-                return
+                break
             if count == 0 and self.before_arrival is not None:
                 self.before_arrival()
-            self._take(buffer[:size], tick)
-        discarded = self.transport.discard()
-        if discarded:
-            self.flood += discarded
-            self._guard(tick)
+            datagram = buffers[count][:size]
+            if size >= HEADER.size and datagram[3] == Kind.DATA:
+                sequence = HEADER.unpack_from(datagram)[6]
+                values.append((sequence, count, size, self.transport.arrival()))
+            else:
+                self._pass_on(datagram)
+            count += 1
+        if len(values) > 1:
+            values.sort(reverse=True)
+        for _, place, size, arrived in values:
+            self._guarded(buffers[place][:size], tick, arrived)
+        if self._trips.lowest != self._fitted:
+            self._fit()
+        if count == self.reads:
+            discarded = self.transport.discard()
+            if discarded:
+                self.flood += discarded
+                self._guard(tick)
+
+    def _guarded(self, datagram: memoryview, tick: int, arrived: int) -> None:
+        """Nothing that comes from outside may end the loop."""
+        try:
+            self._take(datagram, tick, arrived)
+        except Exception:
+            self.faulty += 1
 
     def _guard(self, tick: int) -> None:
         """Have the kernel let in only what may be this session's next packet.
@@ -158,38 +248,45 @@ class PeerLink:
         """
         if self.session is None:
             return
-        floor = min((item.receiver.highest for item in self.incoming), default=-1) + 1
+        session = self.session.session
+        floor = min((item.receiver.highest(session) for item in self.incoming), default=-1) + 1
         # A peer that is lost may come back with a new session.
         lost = not all(item.valid for item in self.incoming)
-        self.transport.guard(self.session.session, floor, handshakes=lost)
-        second = GUARD_TIME / self.incoming[0].receiver.bundle.tick if self.incoming else 0
-        self._guarded_until = tick + round(second)
+        self.transport.guard(session, floor, handshakes=lost)
+        self._guarded_until = tick + round(GUARD_TIME / self._tick)
 
     def _let_everything_in(self) -> None:
         if self._guarded_until is not None:
             self._guarded_until = None
             self.transport.unguard()
 
-    def _take(self, datagram: memoryview, tick: int) -> None:
+    def _pass_on(self, datagram: memoryview) -> None:
         size = len(datagram)
-        kind = datagram[3] if size >= HEADER.size else 0
-        if kind == Kind.DATA:
-            stream = datagram[4] | datagram[5] << 8
-            if stream < len(self.incoming):
-                item = self.incoming[stream]
-                receiver, overdue = item.receiver, item.receiver.overdue
-                if receiver.accept(datagram, tick) in _TELLING:
-                    arrived = self._learn(receiver)
-                    if receiver.overdue != overdue:
-                        self._blame(item, arrived)
-                return
-        elif Kind.HELLO <= kind <= Kind.SYNC:
+        if size < HEADER.size:
+            if self.incoming:
+                self.incoming[0].receiver.tally[Fate.TRUNCATED] += 1
+            else:
+                self.foreign += 1
+        elif Kind.HELLO <= datagram[3] <= Kind.KEEP:
             self._forward(datagram, self.transport.arrival())
+        else:
+            self.foreign += 1
+
+    def _take(self, datagram: memoryview, tick: int, arrived: int) -> None:
+        stream = datagram[4] | datagram[5] << 8
+        if stream >= len(self.incoming):
+            self.foreign += 1
             return
-        elif size < HEADER.size and self.incoming:
-            self.incoming[0].receiver.tally[Fate.TRUNCATED] += 1
-            return
-        self.foreign += 1
+        item = self.incoming[stream]
+        receiver, overdue = item.receiver, item.receiver.overdue
+        session = int.from_bytes(datagram[8:16], "little")
+        if not receiver.knows(session):
+            self._hear()
+        if receiver.accept(datagram, tick) in _TELLING:
+            self._heard_at = tick
+            self._learn(receiver, arrived)
+            if receiver.overdue != overdue:
+                self._blame(item, arrived)
 
     def _blame(self, item: Incoming, arrived: int) -> None:
         """Of a packet that missed its sample, find out whether it was the way that took so long."""
@@ -198,31 +295,66 @@ class PeerLink:
         if self.clock.ready and on_its_way > delay * bundle.period * bundle.tick * 1_000_000_000:
             item.overdue_by_network += 1
 
-    def _learn(self, receiver: Receiver) -> int:
-        """Take what an authentic packet says about the peer's clock and grid; when it arrived."""
-        arrived = self.transport.arrival()
+    def _learn(self, receiver: Receiver, arrived: int) -> None:
+        """Take what an authentic packet says about the peer's clock and grid, and about the way."""
         sent, echo_sent, echo_received = receiver.last_times
-        self._echo = (sent, arrived)
+        if sent > self._echo[0] or not any(self._echo):
+            self._echo = (sent, arrived)
         if receiver.peer_epoch:
             self.peer_epoch = receiver.peer_epoch
-        if echo_sent:
-            self.clock.add(echo_sent, echo_received, sent, arrived)
-        return arrived
+        if receiver is self.incoming[0].receiver:
+            self._acks.heard(*receiver.acknowledged)
+        if echo_sent and self.clock.add(echo_sent, echo_received, sent, arrived):
+            self._trips.add(self.clock.last_round_trip, arrived)
 
     def release(self, tick: int) -> None:
         """Show what is due at this tick and weigh the peer."""
+        unheard = self._unheard(tick)
         for number, item in enumerate(self.incoming):
-            receiver = item.receiver
+            receiver, weight = item.receiver, item.weight
             item.fresh = receiver.release(tick)
             if item.fresh:
                 self._inspect(number, item)
             age = tick - receiver.tick if receiver.tick >= 0 else tick
-            item.age = max(0, age) + item.source_age
-            active = item.active and not receiver.stopping and self.session is not None
-            item.weight.update(fresh=item.fresh, source_age=item.source_age, active=active)
+            item.age = min(max(0, age) + item.source_age, LARGEST_AGE)
+            late = receiver.last_late >= 0 and tick - receiver.last_late <= weight.hold
+            weight.update(
+                fresh=item.fresh,
+                source_age=item.source_age,
+                active=item.active and not receiver.stopping and self.session is not None,
+                unheard=unheard,
+                late=late,
+            )
+            receiver.held = weight.state is PeerState.FADING
             # A source that is no longer active fades before it is declared invalid: an input that
             # switches a force off at once would be a jump on the hand.
-            item.valid = item.weight.weight > 0.0
+            item.valid = weight.weight > 0.0
+
+    def give_up(self, reason: Reason) -> None:
+        """Fade the peer on the values that are held."""
+        for item in self.incoming:
+            item.weight.give_up(reason)
+            item.receiver.held = item.weight.state is PeerState.FADING
+
+    def ramp(self) -> None:
+        """This station joins a session that runs: the peer comes with a ramp."""
+        for item in self.incoming:
+            item.weight.ramp()
+
+    def alive(self, tick: int) -> int:
+        """The session under which data come and are acknowledged; 0 for none."""
+        if self.session is None or not self.incoming or not self.outgoing:
+            return 0
+        recent = LIFE / self._tick
+        heard = self._heard_at > 0 and tick - self._heard_at <= recent
+        return self.session.session if heard and self._unheard(tick) <= recent else 0
+
+    def _unheard(self, tick: int) -> int:
+        """For how long nothing new was acknowledged, beyond what the way there and back takes."""
+        since = self._acks.newest if self._acks.newest is not None else self._first_sent
+        if since is None:
+            return 0
+        return tick - since - self._round_trip_ticks - ACKNOWLEDGE_WITHIN * self._period
 
     def _inspect(self, number: int, item: Incoming) -> None:
         """Of newly released values, find the source's age and whether it is active."""
@@ -235,7 +367,7 @@ class PeerLink:
                 item.source_tick = values[index]
                 item.source_changed = item.receiver.tick
             age = max(age, item.receiver.tick - item.source_changed)
-        item.source_age = age
+        item.source_age = min(age, LARGEST_AGE)
         item.active = all(int(values[i]) & (ACTIVE | FAULT) == ACTIVE for i in statuses)
 
     def send(self, tick: int, now: int, epoch: int, *, flags: int = 0) -> None:
@@ -246,6 +378,8 @@ class PeerLink:
             if tick % bundle.period == 0:
                 self._seal(bundle, writer, (tick, now), epoch=epoch, flags=flags)
                 self.sent += self.transport.send(writer.datagram)
+        if self._first_sent is None:
+            self._first_sent = tick
 
     def send_initial(self, tick: int, now: int, epoch: int) -> None:
         """Before the start: send the values as they are at the first tick."""
@@ -258,16 +392,18 @@ class PeerLink:
     def take_initial(self) -> bool:
         """Before the start: hold what the peer has sent of its first tick, if it has."""
         found = False
-        for _ in range(READS_PER_TICK):
-            size = self.transport.receive(self._buffer)
+        for _ in range(self.reads):
+            size = self.transport.receive(self._buffers[0])
             if size < 0:
                 break
-            datagram = self._buffer[:size]
-            kind = datagram[3] if size >= HEADER.size else 0
-            if Kind.HELLO <= kind <= Kind.SYNC:
-                self._forward(datagram, self.transport.arrival())
-            elif kind == Kind.DATA:
+            datagram = self._buffers[0][:size]
+            if size < HEADER.size or datagram[3] != Kind.DATA:
+                self._pass_on(datagram)
+                continue
+            try:
                 found |= any(item.receiver.take_initial(datagram) for item in self.incoming)
+            except Exception:
+                self.faulty += 1
         return found
 
     def stop(self, tick: int, now: int, epoch: int) -> None:
@@ -282,12 +418,33 @@ class PeerLink:
     def _seal(
         self, bundle: Bundle, writer: DataWriter, at: tuple[int, int], *, epoch: int, flags: int
     ) -> None:
-        known = bundle.stream < len(self.incoming)
-        writer.seal(
+        assert self.session is not None
+        session, stream = self.session.session, bundle.stream
+        known = stream < len(self.incoming)
+        sequence = writer.seal(
             *at,
             echo_sent=self._echo[0],
             echo_received=self._echo[1],
             epoch=epoch,
-            acknowledged=self.incoming[bundle.stream].receiver.highest if known else -1,
+            acknowledged=self.incoming[stream].receiver.highest(session) if known else -1,
             flags=flags,
         )
+        if stream == 0:
+            self._acks.sent(session, sequence, at[0])
+
+
+def _incoming(bundle: Bundle, setting: LinkSettings) -> Incoming:
+    weight = PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick)
+    delay = setting.delay or 1
+    receiver = Receiver(
+        bundle,
+        ReceiverSettings(
+            release=setting.release,
+            delay=delay,
+            late_after=delay * bundle.period + weight.hold,
+            # A station that was held up meets the others' packets early until it has caught up;
+            # they can wait.
+            early=WAITING_SLOTS // 2 * bundle.period,
+        ),
+    )
+    return Incoming(receiver, weight)

@@ -14,15 +14,25 @@ from enum import IntEnum, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.link.stream.admission import Admission, Verdict
 from cosim.link.stream.bundle import Bundle, Floats
-from cosim.link.wire.packet import HEADER, MAGIC, VERSION, DataReader, Flag, Kind, Opener
+from cosim.link.wire.packet import (
+    HEADER,
+    LARGEST_TIME,
+    MAGIC,
+    VERSION,
+    DataReader,
+    Flag,
+    Kind,
+    Opener,
+)
+from cosim.link.wire.window import WINDOW, Window
 
-WINDOW = 128
-"""Sequences back from the highest for which a second copy is told from a first, late one."""
-WINDOW_MASK = (1 << WINDOW) - 1
 WAITING_SLOTS = 16
-LARGEST_VALUE = sys.float_info.max / 2.0
-"""What a field without a range may hold: not infinity, and two of them have a difference."""
+SESSIONS = 3
+"""Sessions that a stream is read under at most: the present, the one before, and a candidate."""
+LARGEST_TICK = 1 << 53
+"""A session tick beyond it (a quarter of a million years) is no tick."""
 _NEVER = sys.maxsize
 
 
@@ -35,7 +45,7 @@ class Fate(IntEnum):
     REORDERED = 2
     """Overtaken by a newer packet whose values are already held."""
     DUPLICATE = 3
-    """A second copy of a packet of the last :data:`WINDOW` sequences."""
+    """A second copy of a packet of the last 128 sequences."""
     REPLAYED = 4
     """Authentic, but older than the window: a copy cannot be told from an original."""
     FORGED = 5
@@ -51,6 +61,8 @@ class Fate(IntEnum):
     """Not looked at: more datagrams than a tick may read."""
     SUPERSEDED = 11
     """Accepted (and counted as that, too), but a newer one came before its sample did."""
+    ABSURD = 12
+    """Authentic, with a sequence, tick or time that cannot be."""
 
 
 class Release(StrEnum):
@@ -75,6 +87,18 @@ class ReceiverSettings:
     early: int = 16
 
 
+@dataclass(slots=True)
+class _Inbound:
+    """What a stream is read with under one session."""
+
+    reader: DataReader
+    expected: tuple[object, ...]
+    """What the header must say before the sequence."""
+    window: Window
+    order: int
+    """Counts the sessions: packets of a later one are newer whatever their sequences."""
+
+
 class Receiver:
     """Receives one stream. ``values``, ``tick`` and ``sequence`` are those now held.
 
@@ -91,9 +115,9 @@ class Receiver:
         """Session tick at which the held values were sampled; -1 before the first."""
         self.sequence = -1
         self.released_at = -1
+        """Session tick at which the held values were released."""
         self.delay = -1
         """Base ticks from their sample to their release."""
-        """Session tick at which the held values were released."""
         self.tally = [0] * len(Fate)
         """How many datagrams met each :class:`Fate`."""
         self.overdue = 0
@@ -102,28 +126,22 @@ class Receiver:
         """The peer has announced an orderly stop."""
         self.slip = 0
         """Base ticks added to a packet's tick, where the two grids slide (``clock: free``)."""
-        self.highest = -1
-        """Highest authentic sequence of this session."""
         self.last_times = (0, 0, 0)
         """sent, echo_sent, echo_received (ns) of the last authentic packet."""
+        self.last_late = -1
+        """Session tick at which a packet last came that was too old to be used."""
         self.peer_epoch = 0
         """Where the peer's clock (ns) has session tick 0 on the peer's present grid."""
-        self.acknowledged = -1
-        """Highest own sequence that the peer says it has received."""
-        self._seen = 0
-        self._minimum = np.maximum(bundle.spread("minimum"), -LARGEST_VALUE)
-        self._maximum = np.minimum(bundle.spread("maximum"), LARGEST_VALUE)
-        self._step = bundle.spread("speed") * float(bundle.tick)
-        self._sample_step = self._step * bundle.period
-        self._reference: Floats = np.zeros(size)
+        self.acknowledged = (0, -1)
+        """Session, and the highest own sequence there that the peer says it has received."""
+        self.held = False
+        """Show nothing new: a peer that fades does so on the values that it was given up with."""
+        self._admission = Admission(bundle)
         self._reference_tick: int | None = None
-        self._scratch: Floats = np.zeros(size)
-        # Comparisons write into bytes: to look for a 0 there takes a tenth of NumPy's ``all``.
-        self._passed = bytearray(2 * size)
-        self._above = np.frombuffer(self._passed, dtype=np.bool_, count=size)
-        self._below = np.frombuffer(self._passed, dtype=np.bool_, count=size, offset=size)
+        self._reference_order = (0, -1)
+        self._stopped_in = 0
         self._slots: Floats = np.zeros((WAITING_SLOTS, size))
-        self._slot_sequence = [0] * WAITING_SLOTS
+        self._slot_order = [(0, 0)] * WAITING_SLOTS
         self._slot_tick = [0] * WAITING_SLOTS
         self._slot_due = [0] * WAITING_SLOTS
         self._free = list(range(WAITING_SLOTS))
@@ -131,32 +149,44 @@ class Receiver:
         """Slots in use, mostly one or none."""
         self._next_due = _NEVER
         """Session tick at which the first waiting packet is due."""
-        self._reader: DataReader | None = None
-        self._expected: tuple[object, ...] = ()
-        """What the header must say before the sequence."""
+        self._inbound: dict[int, _Inbound] = {}
+        self._offered = 0
+        self._held_order = (0, -1)
+        """Session's place and sequence of the held values."""
 
     @property
     def counts(self) -> NDArray[np.int64]:
         """:attr:`tally` as an array, shape (len(Fate),)."""
         return np.array(self.tally, dtype=np.int64)
 
-    def renew(self, opener: Opener | None) -> None:
-        """Go on under a new session; the held values stay until one of its packets is released."""
-        self._reader = None
-        if opener is not None:
-            stream = self.bundle.stream
-            self._reader = DataReader(opener, stream, self.bundle.size)
-            self._expected = (MAGIC, VERSION, int(Kind.DATA), stream, 0, opener.session)
-        self.highest = -1
-        self.sequence = -1
-        self._seen = 0
-        self._reference_tick = None
-        self.stopping = False
-        self._set_free(list(self._waiting))
+    def highest(self, session: int) -> int:
+        """Highest authentic sequence of a session; -1 for none."""
+        inbound = self._inbound.get(session)
+        return -1 if inbound is None else inbound.window.highest
+
+    def offer(self, opener: Opener) -> None:
+        """Read packets of one more session; the oldest of more than three is forgotten."""
+        if opener.session in self._inbound:
+            return
+        stream = self.bundle.stream
+        self._offered += 1
+        self._inbound[opener.session] = _Inbound(
+            DataReader(opener, stream, self.bundle.size),
+            (MAGIC, VERSION, int(Kind.DATA), stream, 0, opener.session),
+            Window(),
+            self._offered,
+        )
+        while len(self._inbound) > SESSIONS:
+            del self._inbound[next(iter(self._inbound))]
+
+    def knows(self, session: int) -> bool:
+        """Whether packets of a session can be read."""
+        return session in self._inbound
 
     def allow(self, *, late_after: int) -> None:
         """Set the age (base ticks) at which a packet is dropped."""
-        self.settings = replace(self.settings, late_after=late_after)
+        if late_after != self.settings.late_after:
+            self.settings = replace(self.settings, late_after=late_after)
 
     def accept(self, datagram: memoryview, now: int) -> Fate:
         """Take a datagram whose header names this stream, at session tick ``now``."""
@@ -166,31 +196,38 @@ class Receiver:
 
     def take_initial(self, datagram: memoryview) -> bool:
         """Before the start: hold the values that the peer has at its first tick."""
-        reader = self._reader
-        if reader is None or len(datagram) != reader.size:
+        if len(datagram) < HEADER.size:
             return False
         *header, sequence = HEADER.unpack_from(datagram)
-        if tuple(header) != self._expected:
+        inbound = self._inbound.get(header[5])
+        if inbound is None or tuple(header) != inbound.expected:
+            return False
+        reader = inbound.reader
+        if len(datagram) != reader.size:
             return False
         opened = reader.open(datagram, sequence)
-        if opened is None or not self._in_range(reader.values) or not opened[6] & Flag.INITIAL:
+        if opened is None or not opened[6] & Flag.INITIAL:
+            return False
+        if not self._admission.in_range(reader.values):
+            self.tally[Fate.OUT_OF_RANGE] += 1
             return False
         np.copyto(self.values, reader.values)
         return True
 
     def release(self, now: int) -> bool:
         """At session tick ``now``, show the freshest values that are due; whether there are any."""
-        if now < self._next_due:
+        if now < self._next_due or self.held:
             return False
-        sequences = self._slot_sequence
+        orders = self._slot_order
         due = [slot for slot in self._waiting if self._slot_due[slot] <= now]
-        best = max(due, key=sequences.__getitem__)
-        self.sequence = sequences[best]
+        best = max(due, key=orders.__getitem__)
+        self._held_order = orders[best]
+        self.sequence = self._held_order[1]
         self.tick = self._slot_tick[best]
         self.released_at = now
         self.delay = now - self.tick
         np.copyto(self.values, self._slots[best])
-        done = [slot for slot in self._waiting if sequences[slot] <= self.sequence]
+        done = [slot for slot in self._waiting if orders[slot] <= self._held_order]
         self.tally[Fate.SUPERSEDED] += len(done) - 1
         self._set_free(done)
         return True
@@ -202,87 +239,72 @@ class Receiver:
         self._next_due = min([self._slot_due[slot] for slot in self._waiting], default=_NEVER)
 
     def _judge(self, datagram: memoryview, now: int) -> Fate:
-        reader = self._reader
         if len(datagram) < HEADER.size:
             return Fate.TRUNCATED
         header = HEADER.unpack_from(datagram)
-        if reader is None or header[:6] != self._expected:
+        inbound = self._inbound.get(header[5])
+        if inbound is None or header[:6] != inbound.expected:
             return Fate.FOREIGN
+        reader = inbound.reader
         if len(datagram) != reader.size:
             return Fate.TRUNCATED
         sequence: int = header[6]
         opened = reader.open(datagram, sequence)
         if opened is None:
             return Fate.FORGED
-        fate = self._first_copy(sequence)
-        if fate is not Fate.ACCEPTED:
-            return fate
+        window = inbound.window
+        if not window.is_first(sequence):
+            if sequence > window.highest:
+                return Fate.ABSURD
+            return Fate.REPLAYED if window.highest - sequence >= WINDOW else Fate.DUPLICATE
         sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, _ = opened
+        latest = max(sent, echo_sent, echo_received, epoch)
+        earliest = min(sent, echo_sent, echo_received, epoch)
+        if not 0 <= sampled <= LARGEST_TICK or latest > LARGEST_TIME or earliest < -LARGEST_TIME:
+            return Fate.ABSURD
         if flags & Flag.INITIAL:
             return Fate.LATE
         # Clock and grid are told by every authentic packet, also by one whose values are too old:
         # how old it is cannot be known before the two grids are.
         self.last_times = (sent, echo_sent, echo_received)
         self.peer_epoch = epoch
-        self.acknowledged = acknowledged
-        tick = sampled + self.slip
-        if sequence < self.sequence:
+        self.acknowledged = (header[5], acknowledged)
+        order = (inbound.order, sequence)
+        if order < self._held_order:
             return Fate.REORDERED
+        tick = sampled + self.slip
         if not -self.settings.early <= now - tick <= self.settings.late_after:
+            self.last_late = now
             return Fate.LATE
-        if not self._in_range(reader.values):
-            return Fate.OUT_OF_RANGE
-        if self._jumps(reader.values, sampled):
-            return Fate.JUMP
-        if flags & Flag.STOPPING:
-            self.stopping = True
-        self._keep(reader.values, sequence, tick, now)
-        return Fate.ACCEPTED
+        return self._admit(reader.values, order, (sampled, tick, now), flags)
 
-    def _first_copy(self, sequence: int) -> Fate:
-        """Mark an authentic sequence as seen (RFC 6479's sliding window as one integer)."""
-        ahead = sequence - self.highest
-        if ahead > 0:
-            self._seen = ((self._seen << ahead) | 1) & WINDOW_MASK if ahead < WINDOW else 1
-            self.highest = sequence
-            return Fate.ACCEPTED
-        if -ahead >= WINDOW:
-            return Fate.REPLAYED
-        bit = 1 << -ahead
-        if self._seen & bit:
-            return Fate.DUPLICATE
-        self._seen |= bit
-        return Fate.ACCEPTED
-
-    def _in_range(self, values: Floats) -> bool:
-        # A NaN compares false with everything, so both conditions have to hold.
-        np.greater_equal(values, self._minimum, out=self._above)
-        np.less_equal(values, self._maximum, out=self._below)
-        return self._passed.find(0) < 0
-
-    def _jumps(self, values: Floats, sampled: int) -> bool:
+    def _admit(
+        self, values: Floats, order: tuple[int, int], at: tuple[int, int, int], flags: int
+    ) -> Fate:
+        """Judge the values themselves, and keep them where they can be believed."""
+        sampled, tick, now = at
         last = self._reference_tick
-        if last is not None:
-            # At least one sample: two packets of one tick still differ by what a tick allows.
-            ticks = max(abs(sampled - last), self.bundle.period)
-            limit = self._sample_step if ticks == self.bundle.period else self._step * ticks
-            np.subtract(values, self._reference, out=self._scratch)
-            np.abs(self._scratch, out=self._scratch)
-            np.less_equal(self._scratch, limit, out=self._below)
-            # What was above the minimum in the range check still is.
-            if self._passed.find(0) >= 0:
-                return True
-        np.copyto(self._reference, values)
-        self._reference_tick = sampled
-        return False
-
-    def _keep(self, values: Floats, sequence: int, tick: int, now: int) -> None:
-        """Put accepted values into a waiting slot, due when the release policy says."""
+        # At least one sample: two packets of one tick still differ by what a tick allows.
+        ticks = 0 if last is None else max(abs(sampled - last), self.bundle.period)
         if not self._free:
             # The oldest packet gives way.
-            self._set_free([min(self._waiting, key=self._slot_sequence.__getitem__)])
+            self._set_free([min(self._waiting, key=self._slot_order.__getitem__)])
             self.tally[Fate.SUPERSEDED] += 1
-        slot = self._free.pop()
+        slot = self._free[-1]
+        newest = last is None or order > self._reference_order
+        verdict = self._admission.judge(values, ticks, self._slots[slot], newest=newest)
+        if verdict is Verdict.OUT_OF_RANGE:
+            return Fate.OUT_OF_RANGE
+        if verdict is Verdict.JUMP:
+            return Fate.JUMP
+        if newest:
+            self._reference_tick, self._reference_order = sampled, order
+        if flags & Flag.STOPPING:
+            self.stopping, self._stopped_in = True, order[0]
+        elif order[0] > self._stopped_in:
+            # A session of after the stop: the peer is there again.
+            self.stopping = False
+        self._free.pop()
         self._waiting.append(slot)
         due = now
         if self.settings.release is Release.NETWORK_TICK:
@@ -293,8 +315,8 @@ class Receiver:
                 self.overdue += 1
             else:
                 due = wanted
-        np.copyto(self._slots[slot], values)
-        self._slot_sequence[slot] = sequence
+        self._slot_order[slot] = order
         self._slot_tick[slot] = tick
         self._slot_due[slot] = due
         self._next_due = min(self._next_due, due)
+        return Fate.ACCEPTED

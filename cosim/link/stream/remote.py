@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 from cosim.link.stream.bundle import Bundle, Field
 from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import Incoming, PeerLink
 from cosim.link.stream.settings import ClockMode
 
@@ -53,6 +54,7 @@ class _Shown:
     state: Cells
     sequence: Cells
     delay: Cells
+    reason: Cells
 
     def show_values(self) -> None:
         """Copy the packet's elements; one by one, because each may lie somewhere else."""
@@ -66,7 +68,8 @@ class RemoteStation(Component):
 
     Outputs: every incoming field by name; for each incoming channel ``<channel>.weight`` (0..1),
     ``.valid``, ``.age`` (base ticks), ``.state`` (:class:`~cosim.link.stream.peer.PeerState`) and
-    ``.sequence``, ``.delay`` (base ticks from sample to release); and ``round_trip``,
+    ``.sequence``, ``.delay`` (base ticks from sample to release), ``.reason``
+    (:class:`~cosim.link.stream.peer.Reason`); and ``round_trip``,
     ``clock_offset``, ``phase`` (s), ``clock_skew``.
     Inputs: every outgoing field by name.
     """
@@ -96,6 +99,10 @@ class RemoteStation(Component):
         self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
         self._send_every = gcd(*(bundle.period for bundle in link.outgoing)) or 1
         self._facts: dict[str, Cells] = {}
+        self._read_at: int | None = None
+        shortest = min((item.weight.hold for item in link.incoming), default=1)
+        self._stall = round((shortest + 1) * grid.tick_ns)
+        """ns between two ticks after which the own loop has stood still for too long."""
         link.before_arrival = self._align
 
     @property
@@ -116,7 +123,7 @@ class RemoteStation(Component):
                 _Shown(
                     item,
                     _elements(bundle, outputs),
-                    *(outputs[f"{channel}.{fact}"] for fact in _STREAM_FACTS),
+                    *(outputs[f"{channel}.{fact}"] for fact in STREAM_FACTS),
                 )
             )
         self._gather = [
@@ -124,13 +131,21 @@ class RemoteStation(Component):
             ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer.values)
             for bundle, writer in zip(self.link.outgoing, self.link.writers, strict=True)
         ]
-        self._facts = {name: outputs[name] for name in _LINK_FACTS}
+        self._facts = {name: outputs[name] for name in LINK_FACTS}
         for shown in self._shown:
             self._show(shown)
 
     def read(self, tick: int) -> None:
         """Drain the socket, release what is due, weigh the peer."""
         session_tick = tick + self.grid.first_tick
+        now, before = self._now(), self._read_at
+        self._read_at = now
+        if before is None:
+            if session_tick > 0:
+                self.link.ramp()
+        elif now - before > self._stall:
+            # The hand moved on meanwhile, and so did the peer's.
+            self.link.give_up(Reason.STALLED)
         self.link.drain(session_tick)
         self.link.release(session_tick)
         for shown in self._shown:
@@ -171,6 +186,7 @@ class RemoteStation(Component):
         shown.state[0] = item.weight.state
         shown.sequence[0] = item.receiver.sequence
         shown.delay[0] = item.receiver.delay
+        shown.reason[0] = item.weight.reason
 
     def _phase(self) -> float:
         """By how much the own ticks come later than the peer's (ns)."""
@@ -205,8 +221,8 @@ class RemoteStation(Component):
         self._facts["phase"][0] = phase
 
 
-_STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay")
-_LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
+STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay", "reason")
+LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
 
 
 def _elements(bundle: Bundle, cells: Mapping[str, Cells]) -> list[tuple[Cells, int]]:
@@ -223,7 +239,7 @@ def _variables(link: PeerLink) -> tuple[Variable, ...]:
     for item in link.incoming:
         bundle = item.receiver.bundle
         found += [_variable(field, Causality.OUTPUT) for field in bundle.fields]
-        for fact in _STREAM_FACTS:
+        for fact in STREAM_FACTS:
             kind = VariableType.FLOAT64 if fact == "weight" else VariableType.INT64
             kind = VariableType.BOOLEAN if fact == "valid" else kind
             found.append(
@@ -234,7 +250,7 @@ def _variables(link: PeerLink) -> tuple[Variable, ...]:
                     variability="discrete",
                 )
             )
-    for fact in _LINK_FACTS:
+    for fact in LINK_FACTS:
         unit = None if fact == "clock_skew" else "s"
         found.append(
             Variable(name=fact, causality=Causality.OUTPUT, variability="discrete", unit=unit)

@@ -13,6 +13,9 @@ from cosim.base.suggest import did_you_mean
 from cosim.link.stream.peer import LossPolicy
 from cosim.link.stream.receiver import Release
 
+LONGEST_DELAY = 16
+"""Samples, where neither the scenario nor its theory says how long the way may be."""
+
 
 class ClockMode(StrEnum):
     """What keeps the grids of two stations together."""
@@ -28,12 +31,20 @@ class LinkSettings:
     """Settings of a real link; what is not given has the documented default."""
 
     release: Release = Release.NETWORK_TICK
-    delay: int = 1
-    """Least delay in samples; a packet that arrives sooner is held, so that n stays whole."""
+    delay: int | None = 1
+    """Least delay in samples; a packet that arrives sooner is held, so that n stays whole. ``None``
+    (``auto``): what nine packets of ten need, measured before the start and then kept."""
+    max_delay: int | None = None
+    """Longest way in samples that may count; ``None``: as the theory of the scenario says."""
     clock: ClockMode = ClockMode.FOLLOW
     add_impairments: bool = False
     """Whether the channel's simulated delay, jitter and loss come on top of the real link's."""
     loss: LossPolicy = field(default_factory=LossPolicy)
+
+    @property
+    def longest_delay(self) -> int:
+        """The longest way in samples after which a packet's values may still be used."""
+        return max(self.max_delay or LONGEST_DELAY, self.delay or 1)
 
     @classmethod
     def read(cls, options: Mapping[str, Any], where: str) -> LinkSettings:
@@ -86,13 +97,19 @@ def _boolean(value: Any) -> bool:
     return value
 
 
-_POLICY = ("hold_samples", "fade", "resume", "resume_samples", "ramp_at_start")
+def _auto(value: Any) -> int | None:
+    return None if value == "auto" else _whole(1)(value)
+
+
+_POLICY = ("hold_samples", "hold", "fade", "resume", "resume_samples", "ramp_at_start")
 _READERS: Mapping[str, Callable[[Any], Any]] = {
     "release": Release,
-    "delay": _whole(1),
+    "delay": _auto,
+    "max_delay": _whole(1),
     "clock": ClockMode,
     "add_impairments": _boolean,
     "hold_samples": _whole(1),
+    "hold": _seconds,
     "fade": _seconds,
     "resume": _seconds,
     "resume_samples": _whole(1),

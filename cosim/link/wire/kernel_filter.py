@@ -62,7 +62,7 @@ def session_filter(session: int, floor: int, *, handshakes: bool) -> list[Instru
     if handshakes:
         program += [
             (_AT_LEAST, 0, 1, _lettered(Kind.HELLO)),
-            (_GREATER, drop, accept, _lettered(Kind.SYNC)),
+            (_GREATER, drop, accept, _lettered(Kind.KEEP)),
         ]
     program += [
         (_EQUAL, 0, drop, _lettered(Kind.DATA)),

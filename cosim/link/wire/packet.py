@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 MAGIC = b"cH"
-VERSION = 1
+VERSION = 2
 HEADER = struct.Struct("<2sBBHHQQ")
 """magic, version, kind, stream, zero, session, sequence."""
 BODY = struct.Struct("<qqqqqqII")
@@ -29,6 +29,8 @@ TAG_SIZE = 16
 SPARE = 8
 """float64 elements kept at the end of a data body for energy and wave variables; zero for now."""
 LARGEST_DATAGRAM = 1232
+LARGEST_TIME = 1 << 60
+"""ns (36 years): a clock that shows more is not believed, and sums of four still fit 64 bits."""
 BODY_START = HEADER.size
 VALUES_START = HEADER.size + BODY.size
 
@@ -39,10 +41,10 @@ class Kind(IntEnum):
     DATA = 1
     HELLO = 16
     REPLY = 17
-    CONFIRM = 18
-    ACKNOWLEDGE = 19
-    REFUSE = 20
-    SYNC = 21
+    REFUSE = 18
+    COOKIE = 19
+    PRESENT = 20
+    KEEP = 21
     PROBE = 32
     ECHO = 33
 

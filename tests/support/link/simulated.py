@@ -30,6 +30,7 @@ class Network:
 
     impairers: dict[tuple[str, str], Impairer] = field(default_factory=dict)
     now: int = 0
+    sent: int = 0
     _queue: list = field(default_factory=list)
     _order: Callable[[], int] = field(default_factory=lambda: itertools.count().__next__)
 
@@ -38,6 +39,7 @@ class Network:
         self.impairers[b, a] = Impairer(impairment, seed + 1)
 
     def send(self, source: str, target: str, datagram: bytes) -> None:
+        self.sent += 1
         for due, content in self.impairers[source, target].take(bytes(datagram), self.now):
             heapq.heappush(self._queue, (due, self._order(), source, target, content))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from cosim.link.session.keys import PreSharedKey, SessionKeys, session_keys
+from cosim.link.session.keys import PreSharedKey, SessionKeys
 from cosim.link.stream.bundle import Bundle, Field, FieldRole
 from cosim.link.stream.receiver import Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
@@ -34,17 +34,13 @@ def small_bundle(source: str = "a", target: str = "b", stream: int = 0) -> Bundl
 
 
 def both_ends(
-    key: PreSharedKey = KEY, nonces: tuple[bytes, bytes] = (b"a" * 32, b"b" * 32)
+    key: PreSharedKey = KEY, names: tuple[str, str] = ("a", "b"), number: int = 0
 ) -> tuple[SessionKeys, SessionKeys]:
-    contract = bytes(32)
-    return (
-        session_keys(
-            key, own="a", peer="b", own_nonce=nonces[0], peer_nonce=nonces[1], contract=contract
-        ),
-        session_keys(
-            key, own="b", peer="a", own_nonce=nonces[1], peer_nonce=nonces[0], contract=contract
-        ),
-    )
+    """Keys as both ends of a handshake would come to, the first station's first."""
+    about = str(number).encode()
+    there, back = (key.derive(f"from {name}", context=about) for name in names)
+    session = int.from_bytes(key.derive("session", context=about)[:8], "little")
+    return SessionKeys(session, there, back), SessionKeys(session, back, there)
 
 
 @dataclass
@@ -66,5 +62,5 @@ def make_pair(settings: ReceiverSettings | None = None, key: PreSharedKey = KEY)
     bundle = small_bundle()
     a, b = both_ends(key)
     receiver = Receiver(bundle, settings or ReceiverSettings())
-    receiver.renew(Opener(b.incoming, b.session))
+    receiver.offer(Opener(b.incoming, b.session))
     return Pair(DataWriter(Sealer(a.outgoing, a.session), 0, bundle.size), receiver)

@@ -11,7 +11,6 @@ from fractions import Fraction
 import numpy as np
 
 from cosim.base.component import Causality, Setup, VariableType
-from cosim.link.session.keys import session_keys
 from cosim.link.stream.bundle import Bundle, Field, FieldRole
 from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer_link import PeerLink
@@ -19,7 +18,7 @@ from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import ClockMode, LinkSettings
 from cosim.link.wire.transport import Transport
 from tests.support.link.simulated import Network, SkewedClock
-from tests.support.link.support import KEY
+from tests.support.link.support import both_ends
 
 ACTIVE_STATUS = 1 | 2 | 8
 
@@ -161,20 +160,13 @@ class SimulatedStation:
         self.deadline += self.tick_ns * (1.0 + self.grid.slew)
 
 
-def share_session(a: SimulatedStation, b: SimulatedStation, number: int = 0) -> None:
+def share_session(
+    a: SimulatedStation, b: SimulatedStation, number: int = 0, *, same: bool = False
+) -> None:
     """Give both ends the keys that their handshake would."""
-    nonces = {s.name: (s.name + str(number)).encode().ljust(32) for s in (a, b)}
-    for own, peer in ((a, b), (b, a)):
-        own.link.renew(
-            session_keys(
-                KEY,
-                own=own.name,
-                peer=peer.name,
-                own_nonce=nonces[own.name],
-                peer_nonce=nonces[peer.name],
-                contract=bytes(32),
-            )
-        )
+    for station, keys in zip((a, b), both_ends(names=(a.name, b.name), number=number), strict=True):
+        station.link.offer(keys, same=same)
+        station.link.use(keys.session)
 
 
 def run(network: Network, stations: list[SimulatedStation], until: int) -> None:

@@ -68,7 +68,7 @@ def test_in_a_flood_only_the_sessions_next_packets_get_in(
     other = session if flip is None else session ^ (1 << flip)
     header = HEADER.pack(MAGIC, VERSION, kind, 3, 0, other, sequence)
     next_one = kind == Kind.DATA and flip is None and sequence >= floor
-    shakes = handshakes and Kind.HELLO <= kind <= Kind.SYNC
+    shakes = handshakes and Kind.HELLO <= kind <= Kind.KEEP
     assert let_in(ends, header + bytes(100)) == (next_one or shakes)
 
 

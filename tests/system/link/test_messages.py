@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import select
 import socket
 import struct
+import sys
+from fractions import Fraction
 
 import pytest
 from click.testing import CliRunner
@@ -11,11 +15,15 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.cli.netchar import command as netchar
 from cosim.cli.station import command as station
-from cosim.link.session.doorman import NOTE, _Process
-from cosim.link.session.handshake import Handshake
-from cosim.link.session.keys import KEY_SIZE, PreSharedKey, create_key_file
+from cosim.link.session.answerer import Answerer
+from cosim.link.session.asker import Asker
+from cosim.link.session.client import HandshakeProcess
+from cosim.link.session.contract import Contract
+from cosim.link.session.keys import KEY_SIZE, NO_KEY, PreSharedKey, create_key_file
+from cosim.link.session.messages import LARGEST_MESSAGE, NOTE, refusal
+from cosim.link.session.process import HandshakeServer
 from cosim.link.wire.packet import HEADER, MAGIC, VERSION, Kind
-from cosim.link.wire.transport import Address, open_socket
+from cosim.link.wire.transport import Address, open_socket, open_sockets
 
 LOCAL = Address("127.0.0.1", 0)
 STATION = ["two_users_box", "--as", "station_a", "--wait", "1", "--no-figure"]
@@ -90,21 +98,21 @@ def test_a_name_of_both_kinds_is_taken_in_the_kind_of_the_other_end(monkeypatch)
     assert Address("both", 5).is_loopback
 
 
-class Door:
-    """The process at the door of station a, in this one, and a socket where b should be."""
+class Waiting:
+    """The handshake process of station a, in this one, and a socket where b should be."""
 
     def __init__(self) -> None:
         self.peer = open_socket(LOCAL, None)
         own = open_socket(LOCAL, Address(*self.peer.getsockname()))
         self.peer.connect(own.getsockname())
         self.loop, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self.process = _Process(
+        self.process = HandshakeServer(
             {
                 "own": "a",
                 "peers": ["b"],
                 "sockets": [own.detach()],
                 "loop": theirs.detach(),
-                "key_file": None,
+                "key_files": [None],
                 "contracts": [{"rate": 128}],
                 "tick": "1/1024",
                 "period": 8,
@@ -113,12 +121,12 @@ class Door:
 
     def notes_after(self, *datagrams: bytes) -> list[str]:
         for datagram in datagrams:
-            self.process._pass(0, datagram, 1)
-        notes = self.process._notes()
+            self.process.take(0, datagram, 1)
+        notes = self.process.notes()
         assert all(note[:1] == NOTE for note in notes)
         return [note[1:].decode() for note in notes]
 
-    def __enter__(self) -> Door:
+    def __enter__(self) -> Waiting:
         return self
 
     def __exit__(self, *_) -> None:
@@ -126,48 +134,150 @@ class Door:
             one.close()
 
 
+def hello(own: str, peer: str, key: PreSharedKey = NO_KEY) -> bytes:
+    return Asker(own=own, peer=peer, key=key, contract=Contract({"rate": 128})).poll(0)[0]
+
+
 def test_another_key_is_said_once_to_who_waits() -> None:
-    theirs = PreSharedKey(bytes(range(KEY_SIZE)))
-    other = Handshake(own="b", peer="a", key=theirs, contract=_contract())
-    hello = other.poll(0)
-    assert hello is not None
-    with Door() as door:
-        assert door.notes_after(hello) == []
-        (note,) = door.notes_after(*[hello] * 10)
-        assert "the address of b does not fit the key" in note
-        assert door.notes_after(hello) == []
+    other = hello("b", "a", PreSharedKey(bytes(range(KEY_SIZE))))
+    with Waiting() as waiting:
+        assert waiting.notes_after(other) == []
+        (note,) = waiting.notes_after(*[other] * 10)
+        assert "the address of b (b) does not fit the key" in note
+        assert waiting.notes_after(other) == []
 
 
-def test_another_version_of_the_protocol_is_said() -> None:
-    header = HEADER.pack(MAGIC, VERSION + 1, Kind.HELLO, 0, 0, 0, 0)
-    with Door() as door:
-        notes = door.notes_after(*[header + bytes(1176)] * 10)
+def test_another_version_of_the_protocol_is_said_once_whoever_writes_which() -> None:
+    headers = [HEADER.pack(MAGIC, version, Kind.HELLO, 0, 0, 0, 0) for version in (1, 3, 4, 255)]
+    with Waiting() as waiting:
+        notes = waiting.notes_after(*[header + bytes(1176) for header in headers] * 10)
     assert notes == [
         (
-            f"b speaks version {VERSION + 1} of the link's protocol, and this station version "
-            f"{VERSION}: run one version of cohaptic on both"
+            f"b speaks version 1 of the link's protocol, and this station version {VERSION}: run "
+            "one version of cohaptic on both"
         )
     ]
 
 
 def test_an_address_where_nobody_listens_is_said() -> None:
-    with Door() as door:
-        door.peer.close()
-        door.process.links[0].refused = 21
-        (note,) = door.notes_after()
-    assert note == "nothing listens at the address of b so far"
+    with Waiting() as waiting:
+        waiting.peer.close()
+        waiting.process.links[0].refused = 21
+        (note,) = waiting.notes_after()
+    assert note.startswith("nothing at the address of b (b) takes packets of this station")
+
+
+def test_two_stations_of_one_name_are_said() -> None:
+    """Each end sees what it would send itself: a greeting, or the word of who waits to be asked."""
+    mine = Answerer(own="a", peer="b", key=NO_KEY, contract=Contract({"rate": 128}))
+    with Waiting() as waiting:
+        (note,) = waiting.notes_after(*mine.poll(0) * 3)
+    assert note.startswith("the station at the address of b (b) is called a, too")
 
 
 def test_noise_and_a_good_greeting_are_not_worth_a_word() -> None:
-    from cosim.link.session.keys import NO_KEY
-
-    good = Handshake(own="b", peer="a", key=NO_KEY, contract=_contract()).poll(0)
-    assert good is not None
-    with Door() as door:
-        assert door.notes_after(b"", bytes(30), struct.pack("<Q", 7), good) == []
+    with Waiting() as waiting:
+        assert waiting.notes_after(b"", bytes(30), struct.pack("<Q", 7), hello("b", "a")) == []
 
 
-def _contract():
-    from cosim.link.session.contract import Contract
+def test_a_refusal_is_cut_by_sentences_and_not_by_bytes() -> None:
+    """Contracts may differ in thousands of names, and names may be long."""
+    lines = [f"{'ä' * 400}[{number}]: 1 at a, 2 at b" for number in range(3000)]
+    message = refusal("b", lines)
+    assert len(message) < LARGEST_MESSAGE
+    facts = json.loads(message[1:])
+    shown = len(facts["differences"]) - 1
+    assert facts["differences"] == [*lines[:shown], f"and {3000 - shown} more"]
+    assert shown >= 5
 
-    return Contract({"rate": 128})
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        b"R{",
+        b"Rnull",
+        b"R[]",
+        b'R{"peer": 3}',
+        b"O",
+        b"U" + bytes(40),
+        b"K\xff",
+        b"A\x09" + bytes(16),
+        b"G",
+        b"F{",
+        b"",
+        b"\xff" * 9000,
+        refusal("b", ["x"] * 50),
+        b'R{"error": "the key is gone"}',
+    ],
+)
+def test_nothing_that_the_process_says_ends_a_running_loop(message: bytes) -> None:
+    process = HandshakeProcess("b", ["a"])
+    mine, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with mine, theirs:
+        process.attach(mine)
+        if message:
+            theirs.send(message)
+        else:
+            theirs.close()
+        process.hear()
+    assert process.start is None
+
+
+def test_the_process_that_holds_the_key_imports_nothing_of_the_working_folder(
+    tmp_path, monkeypatch
+) -> None:
+    """A file ``secrets.py`` and a folder ``cosim`` there, and on the path of the environment."""
+    trap = "import pathlib; pathlib.Path(__file__).with_suffix('.sprung').touch()\n"
+    (tmp_path / "secrets.py").write_text(trap)
+    (tmp_path / "cosim").mkdir()
+    (tmp_path / "cosim" / "__init__.py").write_text(trap)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    peer = open_socket(LOCAL, None)
+    own = open_socket(LOCAL, Address(*peer.getsockname()))
+    process = HandshakeProcess("b", ["a"])
+    with peer, own, process:
+        process.open(
+            sockets=[own],
+            key_files=[None],
+            contracts=[{}],
+            addresses=["here"],
+            tick=Fraction(1, 1024),
+            period=8,
+            exchanges=16,
+        )
+        peer.setblocking(True)
+        peer.settimeout(20)
+        assert peer.recv(2000)[3] == Kind.HELLO
+    assert not list(tmp_path.rglob("*.sprung"))
+
+
+def test_a_copy_of_a_station_cannot_take_over_its_port() -> None:
+    """Three stations share one port at each, and nobody else may have it."""
+    peers = [open_socket(LOCAL, None) for _ in range(2)]
+    addresses = [Address(*peer.getsockname()) for peer in peers]
+    with open_socket(LOCAL, None) as free:
+        listen = Address(*free.getsockname())
+    links = open_sockets(listen, addresses)
+    try:
+        for again in (lambda: open_sockets(listen, addresses), lambda: open_socket(listen, None)):
+            with pytest.raises(InputError, match="does this station run already"):
+                again()
+        for peer, link in zip(peers, links, strict=True):
+            peer.sendto(b"to you", listen.resolve()[1])
+            select.select([link], [], [], 5.0)
+            assert link.recv(100) == b"to you"
+    finally:
+        for link in (*links, *peers):
+            link.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="read back as Linux gives them")
+@pytest.mark.parametrize("host", ["127.0.0.1", "::1"])
+def test_packets_ask_for_expedited_forwarding_and_the_highest_free_priority(host: str) -> None:
+    with open_socket(Address(host, 0), None) as link:
+        assert link.getsockopt(socket.SOL_SOCKET, socket.SO_PRIORITY) == 6
+        if link.family is socket.AF_INET6:
+            assert link.getsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS) == 0xB8
+        else:
+            assert link.getsockopt(socket.IPPROTO_IP, socket.IP_TOS) == 0xB8

@@ -30,7 +30,8 @@ from cosim.link.netchar.relay import (
 )
 from cosim.link.netchar.search import search_rate
 from cosim.link.netchar.statistics import Characteristics, characterise, fit_bursts
-from cosim.link.session.handshake import MESSAGE_SIZE, RETRY, Handshake
+from cosim.link.session.asker import RETRY, Asker
+from cosim.link.session.greeting import GREETING_SIZE
 from cosim.link.wire.packet import Kind, Opener, Sealer
 from cosim.link.wire.transport import Address, open_socket
 from cosim.testing.impairment import Impairer, Impairment, Injected
@@ -42,11 +43,11 @@ LOCAL = Address("127.0.0.1", 0)
 
 
 @contextmanager
-def relay_behind(forward: Impairment, backward: Impairment, key=KEY):
+def relay_behind(forward: Impairment, backward: Impairment, key=KEY, caps=None):
     """A relay with a proxy in front, each in a thread; yields (where to probe, proxy, relay)."""
     stop = threading.Event()
     link = open_socket(LOCAL, None)
-    relay = Relay(key, Caps())
+    relay = Relay(key, caps or Caps())
     proxy = Proxy(LOCAL, Address(*link.getsockname()), Impairer(forward, 5), Impairer(backward, 6))
     threads = [
         threading.Thread(
@@ -109,7 +110,7 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
         assert answer is not None
         plain = memoryview(bytearray(len(answer) - OVERHEAD))
         assert session.opener.open(memoryview(answer), plain)
-        _, times[1, number], times[2, number], received = ECHO.unpack_from(plain)
+        _, times[1, number], times[2, number], received, _ = ECHO.unpack_from(plain)
         for back, _ in backward.take(answer, int(due)):
             times[3, number] = back
             returns.append((back, number))
@@ -244,9 +245,12 @@ def test_copies_and_overtaking_are_counted() -> None:
 
 def test_a_relay_with_another_key_does_not_answer() -> None:
     with relay_behind(Impairment(), Impairment(), key=OTHER_KEY) as (address, _, relay):
-        with open_socket(LOCAL, address) as link, pytest.raises(RunError, match="no relay answer"):
+        with (
+            open_socket(LOCAL, address) as link,
+            pytest.raises(RunError, match="no relay answer"),
+        ):
             Probe(link, KEY).connect(timeout=0.3)
-        while not relay.dropped + relay._handshake.dropped:  # its thread may not have run yet
+        while not relay.handshakes_failed:  # its thread may not have run yet
             time.sleep(0.01)
 
 
@@ -255,12 +259,16 @@ class Session:
 
     def __init__(self, relay: Relay, sender=("127.0.0.1", 5000), now: int = 0) -> None:
         self.relay, self.sender = relay, sender
-        handshake = Handshake(own=CLIENT, peer=SERVER, key=KEY, contract=CONTRACT)
-        message = handshake.poll(now)
+        self.asker = Asker(own=CLIENT, peer=SERVER, key=KEY, contract=CONTRACT)
+        (message,) = self.asker.poll(now)
+        self.greetings = [message]
         while message is not None:
             answer = relay.take(memoryview(message), sender, now, lambda: now)
-            message = None if answer is None else handshake.receive(bytes(answer), now)
-        keys = handshake.session
+            message = None
+            if answer is not None:
+                message = self.asker.receive(bytes(answer), now, now).answer
+                self.greetings += [] if message is None else [message]
+        keys = None if self.asker.current is None else self.asker.current.keys
         self.connected = keys is not None
         if keys is not None:
             self.sealer = Sealer(keys.outgoing, keys.session)
@@ -286,7 +294,7 @@ def test_an_answer_is_exactly_as_long_as_its_question(size: int) -> None:
     assert len(answer) == size
     plain = memoryview(bytearray(size - OVERHEAD))
     assert session.opener.open(memoryview(answer), plain)
-    assert ECHO.unpack_from(plain) == (7, 9, 9, 1)
+    assert ECHO.unpack_from(plain) == (7, 9, 9, 1, 0)
 
 
 def test_nothing_unauthentic_and_nothing_twice_is_answered() -> None:
@@ -301,8 +309,56 @@ def test_nothing_unauthentic_and_nothing_twice_is_answered() -> None:
     assert session.ask(session.probe(3), 4, sender=("10.0.0.9", 5000)) is None
     assert session.ask(bytes(60), 5) is None
     assert session.ask(b"", 6) is None
-    assert session.ask(bytes(MESSAGE_SIZE), 6) is None
+    assert session.ask(bytes(GREETING_SIZE), 6) is None
     assert relay.received == 1
+
+
+def test_a_recorded_greeting_gets_a_cookie_and_nothing_else() -> None:
+    """Whoever sends it from an address that he does not have makes the relay send it little."""
+    relay = Relay(KEY, Caps())
+    greetings = Session(relay).greetings
+    for seconds in range(3, 100):
+        for greeting in greetings:
+            at = seconds * 10**9
+            answer = relay.take(memoryview(greeting), ("10.0.0.9", 1), at, lambda t=at: t)
+            assert answer is None or (answer[3] == Kind.COOKIE and len(answer) < 120)
+    assert relay.received == 0
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_cap_that_cannot_be_is_refused(value: float) -> None:
+    for name in ("rate", "duration"):
+        with pytest.raises(InputError, match=rf"cannot be \(--max-{name}\)"):
+            Caps(**{name: value})
+
+
+def test_what_the_caps_keep_back_is_not_called_lost() -> None:
+    with (
+        relay_behind(Impairment(), Impairment(), caps=Caps(rate=100.0)) as (address, _, relay),
+        open_socket(LOCAL, address) as link,
+    ):
+        probe = Probe(link, KEY)
+        probe.connect(timeout=60.0)
+        found = characterise(probe.measure(rate=2000, duration=0.5, wait=5.0))
+    assert found.capped > 500
+    assert relay.capped >= found.capped
+    # The relay tells with its last answer; what it kept back after that looks lost.
+    assert found.loss.packets <= 40
+
+
+def test_a_reply_to_an_earlier_measurement_is_late_and_not_forged() -> None:
+    with (
+        relay_behind(Impairment(), Impairment(delay=0.25)) as (address, _, _relay),
+        open_socket(LOCAL, address) as link,
+    ):
+        probe = Probe(link, KEY)
+        probe.connect(timeout=60.0)
+        first = probe.measure(rate=200, duration=0.05, wait=0.0)
+        second = probe.measure(rate=200, duration=0.05, wait=5.0)
+    assert len(first.order) == 0
+    assert second.late_replies == first.count
+    assert second.forged == 0
+    assert len(second.order) == second.count
 
 
 def test_rate_and_duration_are_capped() -> None:
@@ -317,7 +373,9 @@ def test_a_running_measurement_is_not_taken_over() -> None:
     relay = Relay(KEY, Caps())
     session = Session(relay)
     assert session.ask(session.probe(1), RETRY) is not None
-    assert not Session(relay, ("10.0.0.9", 1), now=2 * RETRY).connected
+    second = Session(relay, ("10.0.0.9", 1), now=2 * RETRY)
+    assert not second.connected
+    assert second.asker.busy
     assert session.ask(session.probe(2), 3 * RETRY) is not None
     assert Session(relay, ("10.0.0.9", 1), now=10 * 10**9).connected
 

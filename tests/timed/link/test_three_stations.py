@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.link.session.keys import session_keys
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
@@ -26,7 +25,7 @@ from cosim.session import run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.split import split
 from tests.support.link.lockstep import PATIENCE, LockStepTransport
-from tests.support.link.support import KEY
+from tests.support.link.support import both_ends
 from tests.timed.link.test_two_processes import COMMAND
 
 STATIONS = ("station_a", "station_b", "station_c")
@@ -87,15 +86,8 @@ def linked_ends(first: str, second: str) -> tuple[CountingTransport, CountingTra
 
 
 def keys(own: str, peer: str):
-    nonces = {name: name.encode().ljust(32) for name in (own, peer)}
-    return session_keys(
-        KEY,
-        own=own,
-        peer=peer,
-        own_nonce=nonces[own],
-        peer_nonce=nonces[peer],
-        contract=bytes(32),
-    )
+    first, second = sorted((own, peer))
+    return both_ends(names=(first, second))[own != first]
 
 
 def test_three_stations_compute_what_one_simulation_does(tmp_path: Path) -> None:
@@ -126,7 +118,9 @@ def test_three_stations_compute_what_one_simulation_does(tmp_path: Path) -> None
                 transport=transport,
                 forward=lambda *_: None,
             )
-            link.renew(keys(own, peer.name))
+            mine = keys(own, peer.name)
+            link.offer(mine, same=False)
+            link.use(mine.session)
             remotes.append(
                 RemoteStation(link, grid=grid, now=lambda t=transport: t.now, leads=True)
             )

@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 from fractions import Fraction
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.stream.peer import LossPolicy, PeerState, PeerWeight
+from cosim.link.stream.peer import LossPolicy, PeerState, PeerWeight, Reason
 
 TICK = Fraction(1, 1024)
 PERIOD = 8
@@ -29,8 +30,49 @@ def advance(peer: PeerWeight, ticks: range, *, arrives=True, source_age=0, activ
 
 def test_nothing_counts_before_the_first_packet() -> None:
     peer = weight()
-    assert set(advance(peer, range(5000), arrives=False)) == {0.0}
+    assert set(advance(peer, range(40), arrives=False)) == {0.0}
     assert peer.update(fresh=True, source_age=0, active=True) == 1.0
+
+
+def test_a_peer_that_comes_long_after_the_start_comes_with_a_ramp() -> None:
+    """Its values are not those that both began with."""
+    peer = weight()
+    assert set(advance(peer, range(5000), arrives=False)) == {0.0}
+    weights = advance(peer, range(5000, 5000 + 8 * 16 + RESUME_TICKS + 8))
+    assert weights[8 * 15] == 0.0
+    assert weights[-1] == 1.0
+    assert max(b - a for a, b in itertools.pairwise(weights)) <= 1.001 / 1024
+
+
+def test_the_hold_is_bounded_in_time_where_samples_are_rare() -> None:
+    slow = PeerWeight(LossPolicy(), period=32, tick=TICK)
+    assert slow.hold == 32
+    assert PeerWeight(LossPolicy(hold=0.1), period=32, tick=TICK).hold == 103
+
+
+def test_a_side_that_is_not_heard_fades_and_comes_back_when_it_is() -> None:
+    peer = weight()
+    advance(peer, range(801))
+    heard = [
+        peer.update(fresh=tick % PERIOD == 0, source_age=0, active=True, unheard=tick - 800)
+        for tick in range(801, 1000)
+    ]
+    assert heard[30] == 1.0
+    assert heard[32 + FADE_TICKS] == 0.0
+    assert peer.reason is Reason.UNHEARD
+    assert advance(peer, range(1000, 3000))[-1] == 1.0
+
+
+@pytest.mark.parametrize("state", [0, 0.4, 1.0])
+def test_giving_up_fades_from_the_present_weight(state: float) -> None:
+    peer = weight(ramp_at_start=True)
+    while peer.weight < state:
+        advance(peer, range(8))
+    before = peer.weight
+    peer.give_up(Reason.STALLED)
+    after = advance(peer, range(60))
+    assert before - after[0] <= 1.001 / FADE_TICKS
+    assert after[FADE_TICKS] == 0.0
 
 
 def test_with_a_hand_at_the_device_the_start_is_a_ramp_too() -> None:

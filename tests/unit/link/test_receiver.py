@@ -9,9 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cosim.base.component import Causality, Variable, VariableType
 from cosim.link.stream.bundle import Bundle, Field
-from cosim.link.stream.receiver import WINDOW, Fate, Receiver, ReceiverSettings, Release
+from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings, Release
 from cosim.link.wire.packet import HEADER, DataWriter, Opener, Sealer
+from cosim.link.wire.window import WINDOW
 from tests.support.link.support import (
     OTHER_KEY,
     PERIOD,
@@ -103,7 +105,7 @@ def test_no_flipped_bit_is_accepted(place: int, bit: int) -> None:
     packet[place % len(packet)] ^= 1 << bit
     fate = pair.receiver.accept(memoryview(packet), 81)
     assert fate in {Fate.FORGED, Fate.FOREIGN}
-    assert pair.receiver.highest == -1
+    assert pair.receiver.highest(both_ends()[1].session) == -1
 
 
 @settings(deadline=None, max_examples=60)
@@ -127,7 +129,7 @@ def test_noise_changes_nothing(noise: bytes) -> None:
 
 def test_another_session_is_foreign(pair: Pair) -> None:
     bundle = small_bundle()
-    for a, _ in (both_ends(OTHER_KEY), both_ends(nonces=(b"c" * 32, b"d" * 32))):
+    for a, _ in (both_ends(OTHER_KEY), both_ends(number=1)):
         writer = DataWriter(Sealer(a.outgoing, a.session), 0, bundle.size)
         writer.seal(80, 1)
         assert pair.receiver.accept(writer.datagram, 81) is Fate.FOREIGN
@@ -146,7 +148,7 @@ def test_our_own_packets_sent_back_are_forged() -> None:
     bundle = small_bundle()
     a, _ = both_ends()
     receiver = Receiver(bundle, ReceiverSettings())
-    receiver.renew(Opener(a.incoming, a.session))
+    receiver.offer(Opener(a.incoming, a.session))
     writer = DataWriter(Sealer(a.outgoing, a.session), 0, bundle.size)
     writer.seal(80, 1)
     assert receiver.accept(writer.datagram, 81) is Fate.FORGED
@@ -178,17 +180,126 @@ def test_a_packet_from_the_future_is_dropped(pair: Pair) -> None:
     assert pair.receiver.accept(memoryview(pair.packet(800)), 100) is Fate.LATE
 
 
-def test_after_a_new_session_the_old_one_is_foreign_and_sequences_start_again(pair: Pair) -> None:
-    old = [pair.packet(tick) for tick in (0, 8)]
-    for packet in old:
-        pair.receiver.accept(memoryview(packet), 9)
-    a, b = both_ends(nonces=(b"c" * 32, b"d" * 32))
-    pair.receiver.renew(Opener(b.incoming, b.session))
+def renew(pair: Pair, number: int = 1) -> None:
+    a, b = both_ends(number=number)
+    pair.receiver.offer(Opener(b.incoming, b.session))
     pair.writer.renew(Sealer(a.outgoing, a.session))
-    assert pair.receiver.accept(memoryview(old[1]), 10) is Fate.FOREIGN
-    fresh = pair.packet(16, 0.9)
-    assert HEADER.unpack_from(fresh)[6] == 0
-    assert pair.receiver.accept(memoryview(fresh), 17) is Fate.ACCEPTED
+
+
+def test_a_renewal_costs_nothing_that_is_on_its_way(pair: Pair) -> None:
+    first, second = pair.packet(0), pair.packet(8)
+    pair.receiver.accept(memoryview(first), 1)
+    renew(pair)
+    assert pair.receiver.accept(memoryview(second), 9) is Fate.ACCEPTED
+    third = pair.packet(16)
+    assert HEADER.unpack_from(third)[6] == 0
+    assert pair.receiver.accept(memoryview(third), 17) is Fate.ACCEPTED
+    assert pair.receiver.release(24)
+    assert (pair.receiver.tick, pair.receiver.sequence) == (16, 0)
+
+
+def test_what_a_later_session_has_shown_is_newer_than_all_of_the_one_before(pair: Pair) -> None:
+    kept_back = pair.packet(8)
+    pair.receiver.accept(memoryview(pair.packet(0)), 1)
+    renew(pair)
+    pair.receiver.accept(memoryview(pair.packet(16)), 17)
+    pair.receiver.release(24)
+    assert pair.receiver.accept(memoryview(kept_back), 25) is Fate.REORDERED
+
+
+def test_a_new_session_is_no_way_around_the_jump_check(pair: Pair) -> None:
+    pair.receiver.accept(memoryview(pair.packet(0, 0.0)), 1)
+    for number in range(1, 6):
+        renew(pair, number)
+        tick = 8 * number
+        assert pair.receiver.accept(memoryview(pair.packet(tick, 0.9)), tick + 1) is Fate.JUMP
+
+
+def test_the_sessions_that_are_read_are_three_at_most(pair: Pair) -> None:
+    old = pair.packet(0)
+    for number in range(1, 4):
+        renew(pair, number)
+    assert pair.receiver.accept(memoryview(old), 1) is Fate.FOREIGN
+    assert pair.receiver.accept(memoryview(pair.packet(0)), 1) is Fate.ACCEPTED
+
+
+def test_while_a_peer_fades_nothing_new_is_shown(pair: Pair) -> None:
+    pair.receiver.accept(memoryview(pair.packet(0, 0.01)), 1)
+    pair.receiver.release(8)
+    pair.receiver.held = True
+    pair.receiver.accept(memoryview(pair.packet(8, 0.02)), 9)
+    assert not pair.receiver.release(16)
+    assert pair.receiver.values[0] == 0.01
+    pair.receiver.held = False
+    assert pair.receiver.release(17)
+    assert pair.receiver.values[0] == 0.02
+
+
+EXTREMES = st.sampled_from([0, -1, 1, 2**31, -(2**31), 2**53, 2**60, 2**62, 2**63 - 1, -(2**63)])
+LARGEST_SEQUENCES = st.sampled_from([2**31, 2**32, 2**62, 2**63 - 1, 2**63, 2**64 - 2, 2**64 - 1])
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    numbers=st.tuples(*[EXTREMES | st.integers(-(2**63), 2**63 - 1)] * 6), now=st.integers(0, 10**9)
+)
+def test_absurd_numbers_of_who_holds_the_key_are_counted(numbers, now) -> None:
+    pair = make_pair()
+    tick, sent, echo_sent, echo_received, epoch, acknowledged = numbers
+    pair.writer.seal(
+        tick,
+        sent,
+        echo_sent=echo_sent,
+        echo_received=echo_received,
+        epoch=epoch,
+        acknowledged=acknowledged,
+    )
+    fate = pair.receiver.accept(pair.writer.datagram, now)
+    assert pair.receiver.counts.sum() == 1
+    assert fate in {Fate.ABSURD, Fate.LATE, Fate.ACCEPTED}
+    assert all(abs(time) <= 2**60 for time in pair.receiver.last_times)
+    if fate is Fate.ACCEPTED:
+        assert now - 256 <= tick <= now + 16
+
+
+@settings(deadline=None, max_examples=50)
+@given(sequence=LARGEST_SEQUENCES)
+def test_absurd_sequences_of_who_holds_the_key_are_counted(sequence: int) -> None:
+    pair = make_pair()
+    a, _ = both_ends()
+    sealer = Sealer(a.outgoing, a.session)
+    sealer._next[1 << 16] = sequence
+    pair.writer.renew(sealer)
+    fate = pair.receiver.accept(memoryview(pair.packet(0)), 1)
+    assert fate is (Fate.ABSURD if sequence >= 2**63 else Fate.ACCEPTED)
+    pair.receiver.release(8)
+    assert -1 <= pair.receiver.sequence < 2**63
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        (VariableType.INT32, 2.0**31),
+        (VariableType.INT32, 0.5),
+        (VariableType.UINT8, -1.0),
+        (VariableType.UINT8, 256.0),
+        (VariableType.BOOLEAN, 2.0),
+        (VariableType.FLOAT32, 1e39),
+        (VariableType.INT64, 2.0**60),
+    ],
+)
+def test_an_integer_travels_within_its_type(variable: VariableType, value: float) -> None:
+    """What the receiver's input cannot hold would end its run."""
+    declared = Variable(name="v", type=variable, causality=Causality.OUTPUT)
+    bundle = Bundle(source="a", target="b", fields=(Field.of(declared),), period=PERIOD, tick=TICK)
+    a, b = both_ends()
+    receiver = Receiver(bundle, ReceiverSettings())
+    receiver.offer(Opener(b.incoming, b.session))
+    writer = DataWriter(Sealer(a.outgoing, a.session), 0, 1)
+    for tick, sent, fate in ((0, 1.0, Fate.ACCEPTED), (8, value, Fate.OUT_OF_RANGE)):
+        writer.values[:] = sent
+        writer.seal(tick, 1)
+        assert receiver.accept(writer.datagram, tick + 1) is fate
 
 
 def test_receiving_leaves_no_memory_behind(pair: Pair) -> None:
@@ -254,7 +365,7 @@ def test_a_field_without_a_range_is_finite_all_the_same(value: float, fate: Fate
     bundle = Bundle(source="a", target="b", fields=(Field(name="v"),), period=PERIOD, tick=TICK)
     a, b = both_ends()
     receiver = Receiver(bundle, ReceiverSettings())
-    receiver.renew(Opener(b.incoming, b.session))
+    receiver.offer(Opener(b.incoming, b.session))
     writer = DataWriter(Sealer(a.outgoing, a.session), 0, 1)
     for tick, sent in ((0, -8.0e307), (8, value)):
         writer.values[:] = sent

@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from cosim.link.stream.peer import PeerState
+from cosim.link.stream.peer import LossPolicy, PeerState
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.settings import ClockMode, LinkSettings
 from cosim.testing.impairment import Impairment
@@ -53,7 +53,9 @@ def test_ten_minutes_with_drifting_crystals_keep_n_constant(
         if station.name == "b" and tick % rate == 0:
             phases.append(station.value("phase"))
 
-    a, b = two(network, skew, start_error=200_000, rate=rate, period=period)
+    # At 32 Hz two packets lost in a row are longer than the hold.
+    settings = LinkSettings(loss=LossPolicy(hold=1.0))
+    a, b = two(network, skew, start_error=200_000, rate=rate, period=period, settings=settings)
     a.watch = b.watch = watch
     run(network, [a, b], START + 600 * SECOND)
     assert delays == {"a": {period}, "b": {period}}
@@ -201,7 +203,7 @@ def test_a_wide_area_link_is_slow_and_not_late() -> None:
     network.join("a", "b", Impairment(delay=0.030, jitter=0.001))
     a, b = two(network)
     for station in (a, b):
-        station.link.allow(60_000_000)
+        station.link.expect(60_000_000, 30_000_000)
     run(network, [a, b], START + 5 * SECOND)
     assert a.value("lan.weight") == b.value("lan.weight") == 1.0
     assert a.link.incoming[0].receiver.counts[Fate.LATE] == 0
@@ -221,7 +223,7 @@ def test_packets_kept_back_on_the_way_are_dropped_although_authentic() -> None:
     assert b.link.incoming[0].receiver.counts[Fate.LATE] > 200
 
 
-def test_a_flood_is_cut_at_thirty_two_reads_a_tick() -> None:
+def test_a_flood_is_cut_at_half_a_seconds_packets_a_tick() -> None:
     network = Network()
     network.join("a", "b", Impairment(delay=0.002))
     a, b = two(network)
@@ -230,5 +232,5 @@ def test_a_flood_is_cut_at_thirty_two_reads_a_tick() -> None:
     b.transport.queue.extend((network.now, bytes(100)) for _ in range(1000))
     b.link.drain(1024)
     counted = b.link.incoming[0].receiver.counts.sum() - before + b.link.foreign
-    assert counted == 32
-    assert b.link.flood == 1000 - 32
+    assert counted == 64
+    assert b.link.flood == 1000 - 64
