@@ -26,6 +26,7 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
     """Seconds of each part, in this process; ``ticks`` are 64 of the loop, a component."""
     import cProfile
 
+    from cosim.base.garbage import without_collecting
     from cosim.master.run.simulation import assemble
     from cosim.record.writer import Recorder
     from cosim.scenario import load
@@ -59,7 +60,8 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
         lap("assemble")
         with simulation:
             start("start")
-            simulation._start(scenario.ticks, recorded=record)
+            with without_collecting():
+                simulation._start(scenario.ticks, recorded=record)
             lap("start")
             if record:
                 start("record")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 
+from cosim.base.garbage import without_collecting
 from cosim.scenario.model import Scenario
 
 
@@ -26,9 +27,10 @@ def load(
     from cosim.scenario.source.merge import merge
     from cosim.scenario.source.override import apply_override
 
-    file, root = read_document(path)
-    for overlay in overlays:
-        root = merge(root, read_document(overlay, is_overlay=True)[1])
-    for override in sets:
-        root = apply_override(root, override)
-    return build(root, file)
+    with without_collecting():
+        file, root = read_document(path)
+        for overlay in overlays:
+            root = merge(root, read_document(overlay, is_overlay=True)[1])
+        for override in sets:
+            root = apply_override(root, override)
+        return build(root, file)

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.component import Variable
-from cosim.master.fmu.description import FmuDescription, read_description
+from cosim.master.fmu.description import FmuDescription
+from cosim.master.fmu.reading import read_description
 
 _CAPABILITIES = (
     "canHandleVariableCommunicationStepSize",

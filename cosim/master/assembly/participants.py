@@ -17,8 +17,9 @@ from cosim.master.assembly import python_component as python
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.interface import Interface
 from cosim.master.assembly.parameters import SETTABLE, STARTABLE, resolve_values
-from cosim.master.fmu.description import FmuDescription, read_description
+from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.instance import choose_substeps, find_binary
+from cosim.master.fmu.reading import read_description
 from cosim.scenario import Kind, Scenario
 
 Values = dict[str, list[Any]]

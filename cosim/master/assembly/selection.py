@@ -38,6 +38,14 @@ class _Candidate:
     """Matched by a pattern, not only by its exact name."""
 
 
+@dataclass(slots=True)
+class _Candidates:
+    """Everything that can be recorded, and the same by component or channel."""
+
+    every: list[_Candidate] = field(default_factory=list[_Candidate])
+    of: dict[str, list[_Candidate]] = field(default_factory=dict[str, list[_Candidate]])
+
+
 def select_recorded(
     scenario: Scenario,
     interfaces: Mapping[str, Interface],
@@ -49,11 +57,13 @@ def select_recorded(
     A pattern takes outputs, connected inputs and facts about packets; any other variable is
     recorded where it is named exactly, or as an array, terminal or group.
     """
+    if not scenario.record:
+        return []
     driven = set(wiring.connection_of)
-    candidates = [
-        *_variables(scenario, interfaces, driven),
-        *_packet_facts(scenario, wiring),
-    ]
+    candidates = _Candidates()
+    for candidate in (*_variables(scenario, interfaces, driven), *_packet_facts(scenario, wiring)):
+        candidates.every.append(candidate)
+        candidates.of.setdefault(candidate.name.partition(".")[0], []).append(candidate)
     groups: dict[int, Selected] = {}
     for number, record in enumerate(scenario.record):
         with problems.at(("record", number)):
@@ -108,10 +118,13 @@ def _packet_facts(scenario: Scenario, wiring: Wiring) -> Iterator[_Candidate]:
 
 def _matches(
     pattern: str,
-    candidates: list[_Candidate],
+    known: _Candidates,
     interfaces: Mapping[str, Interface],
     scenario: Scenario,
 ) -> list[_Candidate]:
+    component, _, path = pattern.partition(".")
+    is_open = any(character in component for character in "*?")
+    candidates = known.every if is_open else known.of.get(component, [])
     if any(character in pattern for character in "*?"):
         wild = "".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in pattern)
         expression = re.compile(rf"{wild}([.\[].*)?", re.DOTALL)  # a group, an array: all of it
@@ -126,7 +139,6 @@ def _matches(
     exact = [c for c in candidates if c.name == pattern]
     if exact:
         return exact
-    component, _, path = pattern.partition(".")
     if component in interfaces:
         wanted = {
             Signal(component, element.variable, element.index)
@@ -135,8 +147,8 @@ def _matches(
         return [c for c in candidates if c.signal in wanted]
     if component in scenario.components:
         return []  # it could not be loaded, which has been reported
-    known = {c.name for c in candidates} | set(scenario.components)
-    hint = index_hint(pattern) or did_you_mean(pattern, known)
+    names = {c.name for c in known.every} | set(scenario.components)
+    hint = index_hint(pattern) or did_you_mean(pattern, names)
     raise InputError(f"there is no signal '{pattern}' to record.{hint}")
 
 

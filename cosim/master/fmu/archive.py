@@ -8,6 +8,7 @@ import stat
 import tempfile
 import zipfile
 import zlib
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from cosim.base.errors import InputError
@@ -19,29 +20,37 @@ MAX_UNPACKED = 2 << 30
 
 
 def sha256_of(path: Path) -> str:
-    """SHA-256 (hex) of a file.
+    """SHA-256 (hex) of a file, read again where its time or size is another.
 
     Raises:
         InputError: it cannot be read.
     """
     try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+        stat = path.stat()
+        return _sha256(path, (stat.st_ino, stat.st_size, stat.st_mtime_ns))
     except FileNotFoundError:
         raise InputError(f"there is no FMU at {path}") from None
     except OSError as error:
         raise InputError(f"the FMU {path} cannot be read: {error.strerror}") from None
 
 
-def unpack(path: Path) -> Path:
+@lru_cache(maxsize=1024)
+def _sha256(path: Path, _mark: tuple[int, ...]) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def unpack(path: Path, digest: str) -> Path:
     """The folder of an unpacked FMU; unpacked before if its content was met before.
+
+    ``digest`` is the file's SHA-256 (hex).
 
     Raises:
         InputError: not a zip, damaged, too large, or an entry would be written outside its folder.
     """
     from fmus.compiler import cache_directory
 
-    folder = cache_directory() / "fmus" / sha256_of(path)
+    folder = cache_directory() / "fmus" / digest
     if folder.is_dir():
         return folder
     with _open(path) as archive:

@@ -38,6 +38,7 @@ class Library:
             raise InputError(f"the library {path.name} cannot be loaded: {error}") from None
         self.path = path
         self._functions: dict[str, Any] = {}
+        self._addresses: dict[str, int] = {}
         missing: list[str] = []
         for name, (result, arguments) in prototypes.items():
             try:
@@ -59,7 +60,9 @@ class Library:
 
     def address(self, function: str) -> int:
         """Where a function begins, for the kernel."""
-        return function_address(self._functions[function])
+        if function not in self._addresses:
+            self._addresses[function] = function_address(self._functions[function])
+        return self._addresses[function]
 
 
 class Binding(Protocol):

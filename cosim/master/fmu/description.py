@@ -7,7 +7,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from cosim.base.errors import InputError
 from cosim.base.quantity import exact
 from cosim.base.units import BASES, Unit, unit_of
 from cosim.master.assembly.interface import Interface
-from cosim.master.fmu.archive import sha256_of, unpack
 
 _FMI2_TYPES = {
     "Real": VariableType.FLOAT64,
@@ -64,20 +62,16 @@ class FmuDescription:
         )
 
 
-def read_description(path: Path, structure: Mapping[str, int] | None = None) -> FmuDescription:
-    """Unpack and read a co-simulation FMU of FMI 2.0 or 3.0.
+def parse_description(
+    path: Path, folder: Path, digest: str, structure: tuple[tuple[str, int], ...]
+) -> FmuDescription:
+    """Read the unpacked ``folder`` of the FMU at ``path``, whose SHA-256 is ``digest``.
 
     ``structure`` gives structural parameters other values than their start; arrays follow.
 
     Raises:
-        InputError: the archive or its description cannot be used.
+        InputError: the description cannot be used.
     """
-    return _read(path, sha256_of(path), tuple(sorted((structure or {}).items())))
-
-
-@lru_cache(maxsize=128)
-def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> FmuDescription:
-    folder = unpack(path)
     description = _parse(path, folder)
     version = description.fmiMajorVersion
     if version not in {2, 3}:

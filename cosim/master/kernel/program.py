@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -253,7 +254,7 @@ class Program:
             if expected != (kind, first):
                 begins.append(first)
             expected = (kind, first + size_of(variables[name]))
-        for _, run in groupby(ordered, lambda item: sum(begin <= item[0] for begin in begins)):
+        for _, run in groupby(ordered, lambda item: bisect_right(begins, item[0])):
             members = list(run)
             kind = variables[members[0][1]].type
             count = sum(size_of(variables[name]) for _, name in members)

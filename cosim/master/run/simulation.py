@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from types import TracebackType
 
 from cosim.base.component import Component
+from cosim.base.garbage import without_collecting
 from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.assembly.interface import has_cells
@@ -64,7 +65,8 @@ def assemble(
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
-    return Simulation(put_together(scenario, instances, kinds))
+    with without_collecting():
+        return Simulation(put_together(scenario, instances, kinds))
 
 
 class Simulation:
@@ -132,7 +134,8 @@ class Simulation:
         end = self.scenario.ticks if until is None else until
         interrupted = False
         try:
-            self._start(end, recorded=sink is not None)
+            with without_collecting():
+                self._start(end, recorded=sink is not None)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
             with wish_to_stop() as wish:

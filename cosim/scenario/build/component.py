@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -70,18 +71,27 @@ def _source(context: Context, name: str, kind: Kind, form: ComponentForm) -> str
 
 def bundled_models() -> list[str]:
     """The names of the models that come with cohaptic."""
+    files = (file for folder in _model_folders() for file in folder.glob("*/variables.py"))
+    return sorted(file.parent.name for file in files)
+
+
+@cache
+def _is_bundled(text: str) -> bool:
+    is_name = re.fullmatch(r"\w+", text) is not None
+    return is_name and any((at / text / "variables.py").is_file() for at in _model_folders())
+
+
+def _model_folders() -> list[Path]:
     spec = find_spec("fmus")
-    folders = (spec and spec.submodule_search_locations) or []
-    return sorted(file.parent.name for at in folders for file in Path(at).glob("*/variables.py"))
+    return [Path(at) for at in (spec and spec.submodule_search_locations) or []]
 
 
 def _fmu(text: str, folder: Path) -> tuple[str | None, str]:
     is_path = "/" in text or "\\" in text or text.casefold().endswith(".fmu")
     if not is_path:
-        known = bundled_models()
-        if text in known:
+        if _is_bundled(text):
             return text, ""
-        hint = did_you_mean(text, known, listed=20)
+        hint = did_you_mean(text, bundled_models(), listed=20)
         return (
             None,
             f"no bundled FMU is called '{text}'.{hint} A file needs a path that ends in .fmu.",

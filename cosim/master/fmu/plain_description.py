@@ -1,0 +1,78 @@
+"""An FMU's description as plain values, to be kept, and back."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import Causality, Role, Variable, VariableType
+from cosim.base.units import Unit
+from cosim.master.fmu.description import FmuDescription
+
+_VARIABLE = tuple(field.name for field in fields(Variable))
+_UNIT = tuple(field.name for field in fields(Unit))
+_PLAIN = frozenset({"path", "folder", "variables", "units", "fixed_step"})
+"""Fields that need a form of their own; the others are plain values."""
+
+
+def to_plain(description: FmuDescription) -> dict[str, Any]:
+    """Everything but where the FMU lies."""
+    content = {
+        field.name: getattr(description, field.name)
+        for field in fields(description)
+        if field.name not in _PLAIN
+    }
+    step = description.fixed_step
+    return content | {
+        "variables": [
+            tuple(_text(getattr(each, name)) for name in _VARIABLE)
+            for each in description.variables.values()
+        ],
+        "units": {
+            key: tuple(getattr(unit, name) for name in _UNIT)
+            for key, unit in description.units.items()
+        },
+        "fixed_step": None if step is None else step.as_integer_ratio(),
+    }
+
+
+def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescription:
+    """The description that ``to_plain`` was given.
+
+    Raises:
+        KeyError, TypeError, ValueError: the content is another version's.
+    """
+    rest = dict(content)
+    variables = [_variable(row) for row in rest.pop("variables")]
+    units = {
+        key: Unit(**dict(zip(_UNIT, row, strict=True))) for key, row in rest.pop("units").items()
+    }
+    step = rest.pop("fixed_step")
+    return FmuDescription(
+        path=path,
+        folder=folder,
+        variables={variable.name: variable for variable in variables},
+        units=units,
+        fixed_step=None if step is None else Fraction(*step),
+        **rest,
+    )
+
+
+def _text(value: Any) -> Any:
+    """An enumeration's member as its text."""
+    return str(value) if isinstance(value, (Causality, Role, VariableType)) else value
+
+
+def _variable(row: tuple[Any, ...]) -> Variable:
+    values = dict(zip(_VARIABLE, row, strict=True))
+    values["type"] = _TYPES[values["type"]]
+    values["causality"] = _CAUSALITIES[values["causality"]]
+    role = values["role"]
+    values["role"] = None if role is None else Role(role)
+    return Variable(**values)
+
+
+_TYPES = {str(member): member for member in VariableType}
+_CAUSALITIES = {str(member): member for member in Causality}
