@@ -9,6 +9,7 @@ from typing import Any
 
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node, Scalar
+from cosim.base.yaml_quick import compose_quickly
 from cosim.base.yaml_sentence import sentence, without_value
 from cosim.base.yaml_tabs import tab_scanner
 
@@ -38,6 +39,21 @@ def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
 
     Raises:
         InputError: broken YAML, a duplicate key, a tag, a recursive anchor, too many nodes.
+    """
+    quick = compose_quickly(text)
+    if quick is not None:
+        try:
+            return _Builder(shown, text, has_lines).build(quick, None)
+        except (InputError, RecursionError):
+            pass  # the careful reader explains it
+    return parse_carefully(text, shown, has_lines=has_lines)
+
+
+def parse_carefully(text: str, shown: str, *, has_lines: bool = True) -> Node:
+    """What ``parse_yaml`` means, at the speed of Python.
+
+    Raises:
+        InputError: as ``parse_yaml``.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
