@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from enum import Enum
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -27,11 +28,11 @@ def to_plain(description: FmuDescription) -> dict[str, Any]:
     step = description.fixed_step
     return content | {
         "variables": [
-            tuple(_text(getattr(each, name)) for name in _VARIABLE)
+            tuple(_member_value(getattr(each, name)) for name in _VARIABLE)
             for each in description.variables.values()
         ],
         "units": {
-            key: tuple(getattr(unit, name) for name in _UNIT)
+            key: tuple(_ratio(getattr(unit, name)) for name in _UNIT)
             for key, unit in description.units.items()
         },
         "fixed_step": None if step is None else step.as_integer_ratio(),
@@ -46,9 +47,7 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
     """
     rest = dict(content)
     variables = [_variable(row) for row in rest.pop("variables")]
-    units = {
-        key: Unit(**dict(zip(_UNIT, row, strict=True))) for key, row in rest.pop("units").items()
-    }
+    units = {key: _unit(row) for key, row in rest.pop("units").items()}
     step = rest.pop("fixed_step")
     return FmuDescription(
         path=path,
@@ -60,9 +59,19 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
     )
 
 
-def _text(value: Any) -> Any:
-    """An enumeration's member as its text."""
-    return str(value) if isinstance(value, (Causality, Role, VariableType)) else value
+def _member_value(value: Any) -> Any:
+    """An enumeration's member as what it stands for."""
+    return value.value if isinstance(value, Enum) else value
+
+
+def _ratio(value: Any) -> Any:
+    """A fraction as a list, which nothing else of a unit is."""
+    return list(value.as_integer_ratio()) if isinstance(value, Fraction) else value
+
+
+def _unit(row: tuple[Any, ...]) -> Unit:
+    values: list[Any] = [Fraction(*each) if isinstance(each, list) else each for each in row]
+    return Unit(**dict(zip(_UNIT, values, strict=True)))
 
 
 def _variable(row: tuple[Any, ...]) -> Variable:

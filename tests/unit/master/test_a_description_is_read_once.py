@@ -18,9 +18,10 @@ from cosim.master.fmu import reading
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.reading import read_description
 from fmus.archive import FLAVOURS
+from tests.support.master.resizable import with_resizable_array
 
-MODELS = [fmus.find(name, flavour) for name in fmus.model_names() for flavour in FLAVOURS]
-PROBES = [fmus.probe.find("probe_types"), fmus.probe.find("probe_fixed_step", "fmi2")]
+MODELS = [(name, flavour) for name in fmus.model_names() for flavour in FLAVOURS]
+PROBES = [("probe_types", "fmi3"), ("probe_fixed_step", "fmi2")]
 
 
 @pytest.fixture
@@ -45,26 +46,26 @@ def without_parser(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reading, "parse_description", refuse)
 
 
-@pytest.mark.parametrize("path", [*MODELS, *PROBES], ids=lambda path: path.stem)
+@pytest.mark.parametrize(("name", "flavour"), [*MODELS, *PROBES])
 def test_what_is_recalled_equals_what_was_parsed(
-    path: Path, fresh: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, flavour: str, fresh: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    path = (fmus.probe if name.startswith("probe") else fmus).find(name, flavour)
     parsed = read_description(path)
     without_parser(monkeypatch)
     recalled = forgotten(path)
     assert recalled == parsed
-    for name, variable in parsed.variables.items():
-        again = recalled.variables[name]
-        assert repr(again) == repr(variable)  # also 1 and 1.0, 0.0 and -0.0
+    for key, variable in parsed.variables.items():
+        assert repr(recalled.variables[key]) == repr(variable)  # also 1 and 1.0, 0.0 and -0.0
     assert list(recalled.variables) == list(parsed.variables)
 
 
-def test_other_sizes_are_kept_apart(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = fmus.find("operator", "fmi3-arrays")
+def test_other_sizes_are_kept_apart(
+    fresh: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = with_resizable_array(tmp_path)
     usual = read_description(path)
-    structural = next((n for n, v in usual.variables.items() if "structural" in v.causality), None)
-    if structural is None:
-        pytest.skip("no bundled model has a structural parameter")
+    structural = next(n for n, v in usual.variables.items() if "structural" in v.causality)
     start = int(usual.variables[structural].start)
     other = read_description(path, {structural: start + 1})
     assert other != usual
