@@ -7,6 +7,7 @@ meaning could be in doubt, and on each mistake, which the careful reader explain
 
 from __future__ import annotations
 
+import importlib
 import re
 from functools import cache
 from typing import Any
@@ -44,14 +45,12 @@ def compose_quickly(text: str) -> Any | None:
     """
     if _UNUSUAL.search(text):
         return None
-    composer = _composer()
+    composer, broken = _composer()
     if composer is None:
         return None
-    import yaml
-
     try:
         return composer(text).get_single_node()
-    except (_Unsure, yaml.YAMLError, UnicodeError):
+    except (_Unsure, broken, UnicodeError):
         return None
 
 
@@ -73,12 +72,11 @@ def _tag(text: str) -> str:
 
 
 @cache
-def _composer() -> Any | None:
-    """A composer with the scalars of YAML 1.2; ``None`` where PyYAML has no libyaml."""
-    import yaml
-
+def _composer() -> tuple[Any | None, Any]:
+    """A composer with the scalars of YAML 1.2 (none without libyaml), and what it raises."""
+    yaml: Any = importlib.import_module("yaml")
     if not yaml.__with_libyaml__:
-        return None
+        return None, yaml.YAMLError
     parser: Any = yaml.cyaml.CParser
     scalar, mapping = yaml.ScalarNode, yaml.MappingNode
 
@@ -103,4 +101,4 @@ def _composer() -> Any | None:
                 return _tag(value) if implicit[0] else _PREFIX + "str"
             return _PREFIX + ("map" if kind is mapping else "seq")
 
-    return Composer
+    return Composer, yaml.YAMLError

@@ -70,8 +70,11 @@ def _ratio(value: Any) -> Any:
 
 
 def _unit(row: tuple[Any, ...]) -> Unit:
-    values: list[Any] = [Fraction(*each) if isinstance(each, list) else each for each in row]
-    return Unit(**dict(zip(_UNIT, values, strict=True)))
+    return Unit(**{name: _exact(value) for name, value in zip(_UNIT, row, strict=True)})
+
+
+def _exact(value: Any) -> Any:
+    return Fraction(*value) if type(value) is list else value  # pyright: ignore[reportUnknownArgumentType]
 
 
 def _variable(row: tuple[Any, ...]) -> Variable:
