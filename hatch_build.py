@@ -18,7 +18,6 @@ class NativeBuildHook(BuildHookInterface[Any]):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build before packing; ``version`` is ``standard`` or ``editable``."""
-        del version
         if self.target_name != "wheel":
             return
         root = Path(self.root)
@@ -34,6 +33,8 @@ class NativeBuildHook(BuildHookInterface[Any]):
                 kernel.build_kernel(platform)
         finally:
             sys.path.remove(str(root))
+        if version == "standard":  # an editable installation finds them in the checkout
+            build_data["force_include"][str(root / "scenarios")] = "cohaptic/_scenarios"
         build_data["artifacts"] += [
             "/fmus/_built/*.fmu",
             "/fmus/_built/*.json",

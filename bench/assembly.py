@@ -29,8 +29,8 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
     from cosim.base.garbage import without_collecting
     from cosim.master.run.simulation import assemble
     from cosim.record.writer import Recorder
+    from cosim.run import peak_memory
     from cosim.scenario import load
-    from cosim.session import peak_memory
 
     profile = cProfile.Profile()
     times: dict[str, float] = {}

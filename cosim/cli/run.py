@@ -74,7 +74,7 @@ def command(
     2 something that was given cannot be used.
     """
     from cosim.analysis import load_tuned
-    from cosim.session import run_scenario
+    from cosim.run import run_scenario
 
     if duration is not None:
         sets = (*sets, f"duration={duration}")

@@ -26,9 +26,9 @@ from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.record.playback import KINDS
 from cosim.record.writer import Recorder
+from cosim.run import Finished, run_scenario
 from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
-from cosim.session import Finished, run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer

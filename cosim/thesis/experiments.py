@@ -72,7 +72,7 @@ def in_parallel(tasks: Sequence[Task], workers: int | None = None) -> list[Any]:
 def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
     """Run one scenario into a folder; a failure is told, not raised."""
     from cosim.analysis import load_tuned
-    from cosim.session import run_scenario
+    from cosim.run import run_scenario
 
     try:
         finished = run_scenario(load_tuned(file, (), sets), folder, figure=False)

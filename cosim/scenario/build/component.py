@@ -8,11 +8,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ComponentForm, DeviceForm
-from cosim.scenario.source.merge import KINDS
 from cosim.scenario.model import Component, Kind
-from cosim.base.suggest import did_you_mean
+from cosim.scenario.source.merge import KINDS
 
 
 def build_component(context: Context, name: str, form: ComponentForm) -> Component | None:

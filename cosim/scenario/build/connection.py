@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from cosim.base.node import PathKey
+from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ConnectionForm
 from cosim.scenario.model import Channel, Component, Connection, Delay
-from cosim.base.node import PathKey
-from cosim.base.suggest import did_you_mean
 
 
 def build_connection(

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
-from cosim.scenario.form.document import Document
-from cosim.base.problems import Problems
 from cosim.base.node import Node, PathKey
-from cosim.scenario.build.timebase import Timebase
+from cosim.base.problems import Problems
 from cosim.base.suggest import did_you_mean
+from cosim.scenario.build.timebase import Timebase
+from cosim.scenario.form.document import Document
 
 
 @dataclass(slots=True, kw_only=True)

@@ -8,17 +8,17 @@ from typing import Any, cast
 
 from pydantic import ValidationError
 
+from cosim.base.node import Node, PathKey
+from cosim.base.problems import Problems, independent
+from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.channel import ChannelProblem, directions
 from cosim.scenario.build.component import build_component
 from cosim.scenario.build.connection import build_connection, check_signal
 from cosim.scenario.build.context import Context
-from cosim.scenario.source.notation import components_in
+from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
 from cosim.scenario.form.document import document_form
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
-from cosim.base.problems import Problems, independent
-from cosim.base.node import Node, PathKey
-from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
-from cosim.base.suggest import did_you_mean
+from cosim.scenario.source.notation import components_in
 
 SECTIONS = ("components", "channels", "rates", "connections", "record", "expect")
 """Sections whose members are checked one by one, so that one bad member hides no other."""

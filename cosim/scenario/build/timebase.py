@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, gcd, lcm
 
+from cosim.base.quantity import format_exact
 from cosim.scenario.form.fields import Lag
 from cosim.scenario.model import Delay
-from cosim.base.quantity import format_exact
 
 FINEST = 8
 """Base ticks in one period of the fastest rate, unless ``base_rate`` says otherwise. Rates that fit

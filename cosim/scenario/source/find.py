@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from os import PathLike, fspath
 from os.path import relpath
 from pathlib import Path
@@ -13,11 +12,12 @@ from cosim.base.suggest import did_you_mean
 
 def bundled_folder() -> Path:
     """The folder of the scenarios that come with cohaptic, in a checkout and in a wheel."""
-    spec = find_spec("scenarios")
-    places = spec.submodule_search_locations if spec else None
-    if not places:
+    root = Path(__file__).resolve().parents[3]
+    is_checkout = (root / "hatch_build.py").is_file()
+    folder = root / "scenarios" if is_checkout else root / "cohaptic" / "_scenarios"
+    if not folder.is_dir():
         raise InputError("the bundled scenarios are missing; install cohaptic again.")
-    return Path(next(iter(places)))
+    return folder
 
 
 def bundled_names() -> list[str]:

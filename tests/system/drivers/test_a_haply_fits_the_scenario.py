@@ -7,8 +7,8 @@ from math import cos, hypot, pi, sin
 import numpy as np
 import pytest
 
+from cosim.run import run_scenario
 from cosim.scenario import load
-from cosim.session import run_scenario
 from fmus.shared.mechanism.device import presets
 from hil.setup.device_file import default
 

@@ -16,6 +16,8 @@ from fmus.builder import FOLDER
 from fmus.compiler import PLATFORMS
 from tests.support.fmus import fmu_support as support
 
+SCENARIOS = FOLDER.parent / "scenarios"
+
 pytestmark = pytest.mark.slow
 
 
@@ -57,3 +59,42 @@ def test_it_works_outside_the_checkout(wheel: Path, tmp_path: Path) -> None:
     )
     place = tmp_path / "site" / "fmus" / "_built" / "pantograph.fmi2.fmu"
     assert result.stdout.split() == ["False", str(place)]
+
+
+def test_it_installs_one_public_package_and_brings_the_scenarios(
+    wheel: Path, tmp_path: Path
+) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    tops = {name.partition("/")[0] for name in names if not name.startswith("cohaptic-")}
+    assert tops == {"cohaptic", "cosim", "fmus", "hil"}
+    assert "cohaptic/py.typed" in names
+    modules = {
+        file.relative_to(FOLDER.parent).as_posix()
+        for top in tops
+        for file in (FOLDER.parent / top).rglob("*.py")
+        if not {"_built", "probe"} & set(file.parts)
+    }
+    assert modules <= set(names)
+    written = {file.relative_to(SCENARIOS).as_posix() for file in SCENARIOS.rglob("*.yaml")}
+    assert {f"cohaptic/_scenarios/{name}" for name in written} <= set(names)
+
+
+def test_a_scenario_runs_where_the_wheel_is_installed(wheel: Path, tmp_path: Path) -> None:
+    uv = shutil.which("uv")
+    assert uv is not None
+    place = tmp_path / "venv"
+    subprocess.run([uv, "venv", "-q", str(place)], check=True)
+    python = place / ("Scripts" if os.name == "nt" else "bin") / "python"
+    subprocess.run([uv, "pip", "install", "-q", "--python", str(python), str(wheel)], check=True)
+    (tmp_path / "scenarios").mkdir()  # not ours, and not to be found
+    command = [*(str(python.parent / "cohaptic"), "run", "two_users_box", "--set", "duration=0.2")]
+    subprocess.run(
+        [*command, "--set", "expect=~", "--out", "r", "--no-figure"], cwd=tmp_path, check=True
+    )
+    assert (tmp_path / "r" / "run.h5").is_file()
+    program = "import cohaptic; print(cohaptic.load('scenarios/single_user.yaml').file)"
+    found = subprocess.run(
+        [str(python), "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert "cohaptic/_scenarios/single_user.yaml" in Path(found.stdout.strip()).as_posix()

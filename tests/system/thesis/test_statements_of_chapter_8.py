@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from cosim.analysis import load_tuned
+from cosim.run import run_scenario
 from cosim.scenario import load
-from cosim.session import run_scenario
 from cosim.thesis.experiments import run_one
 from cosim.thesis.figures import FIGURES, draw_figures
 from cosim.thesis.page import write_page

@@ -20,8 +20,8 @@ from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.transport import Address, open_socket
 from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
+from cosim.run import run_scenario
 from cosim.scenario import load
-from cosim.session import run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.split import split
 from tests.support.link.lockstep import PATIENCE, LockStepTransport

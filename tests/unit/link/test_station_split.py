@@ -12,8 +12,8 @@ from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address
 from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
+from cosim.run import run_scenario
 from cosim.scenario import load
-from cosim.session import run_scenario
 from cosim.station.contract import contract_of
 from cosim.station.run import _addresses, _key_files
 from cosim.station.split import split

@@ -1,0 +1,44 @@
+"""Co-simulation and hardware-in-the-loop for cooperative haptics over a network.
+
+    import cohaptic
+
+    scenario = cohaptic.load("two_users_box", sets=["duration=2 s"])
+    finished = cohaptic.run(scenario)
+    with cohaptic.open_run(finished.folder) as record:
+        print(record.signals["vr_a.box_pose.y"].values)
+
+A name is imported when it is first used, so that ``import cohaptic`` itself costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cosim.analysis import load_tuned as load
+    from cosim.base.component import Component
+    from cosim.record import open_run
+    from cosim.run import run_scenario as run
+else:
+    _HOMES = {
+        "Component": ("cosim.base.component", "Component"),
+        "load": ("cosim.analysis", "load_tuned"),
+        "open_run": ("cosim.record", "open_run"),
+        "run": ("cosim.run", "run_scenario"),
+    }
+
+    def __getattr__(name: str) -> object:
+        from importlib import import_module
+
+        if name not in _HOMES:
+            raise AttributeError(f"module 'cohaptic' has no attribute '{name}'")
+        module, attribute = _HOMES[name]
+        found = getattr(import_module(module), attribute)
+        globals()[name] = found
+        return found
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_HOMES})
+
+
+__all__ = ["Component", "load", "open_run", "run"]

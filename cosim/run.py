@@ -1,0 +1,232 @@
+"""One run from a scenario to a folder: assembled, run, recorded, summarised, drawn.
+
+The commands, sweeps and tests all run scenarios through here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import Component
+from cosim.base.errors import CohapticError, RunError
+from cosim.base.recording import RecordGroup
+from cosim.master.run.simulation import Outcome, Progress, Simulation, assemble
+from cosim.record.folder import check_folder, new_folder
+from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
+from cosim.record.playback import KINDS
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
+from cosim.record.writer import Recorder
+from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
+from cosim.scenario import Scenario
+from cosim.scenario.resolved import to_yaml
+
+FIGURE_FILE = "overview.png"
+Execute = Callable[[Simulation, Recorder, Progress | None], None]
+"""Runs a simulation to its end into a recorder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A run that is over: its folder, its summary, and the error that ended it, if one did."""
+
+    folder: Path
+    summary: Summary
+    error: CohapticError | None
+
+
+class _FolderRecorder(Recorder):
+    """Creates the run's folder when the first tick is due: bad input leaves nothing behind."""
+
+    def __init__(
+        self, scenario: Scenario, out: Path | None, manifest: dict[str, Any], began: float
+    ) -> None:
+        super().__init__(Path(RUN_FILE), scenario.ticks)
+        self.folder: Path | None = None
+        self.start_up_time = 0.0
+        self._scenario, self._out, self._manifest, self._began = scenario, out, manifest, began
+
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
+        self.folder = new_folder(self._scenario.name, self._out)
+        self.path = self.folder / RUN_FILE
+        resolved = to_yaml(self._scenario)
+        try:
+            (self.folder / SCENARIO_FILE).write_text(resolved, encoding="utf-8")
+            write_manifest(self.folder, self._manifest)
+        except OSError as error:
+            raise self.refusal(error) from error
+        super().begin(groups, base_rate)
+        self.start_up_time = time.perf_counter() - self._began
+
+
+def run_scenario(
+    scenario: Scenario,
+    out: Path | None = None,
+    *,
+    progress: Progress | None = None,
+    execute: Execute | None = None,
+    deadlines: Callable[[], Mapping[str, Any]] | None = None,
+    figure: bool = True,
+    instances: Mapping[str, Component] | None = None,
+    link: Callable[[], Mapping[str, Any]] | None = None,
+) -> Finished:
+    """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
+
+    Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
+    drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
+    of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
+    for those of a real link. ``instances`` holds components that exist already, by name.
+
+    Raises:
+        InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
+            left behind.
+        RunError: the record could not be begun, so that there is nothing to summarise.
+    """
+    began = time.perf_counter()
+    check_folder(out)
+    with assemble(scenario, instances, KINDS) as simulation:
+        units = {
+            column.name: column.unit or ""
+            for group in simulation.groups
+            for column in group.columns
+        }
+        expectations = parse_expectations(scenario, units)
+        manifest = describe(scenario, _components(simulation))
+        manifest["notes"] = list(simulation.notes)
+        recorder = _FolderRecorder(scenario, out, manifest, began)
+        error = _run(simulation, recorder, execute or _here, progress)
+        folder, outcome = recorder.folder, simulation.outcome
+        if folder is None or not recorder.has_begun:
+            raise error or RunError("Interrupted before the first tick; nothing was recorded.")
+    manifest["timing"] = _timing(outcome, recorder, scenario)
+    manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
+    manifest["warnings"] = dict(outcome.warnings)
+    manifest["deadlines"] = None if deadlines is None else dict(deadlines())
+    manifest["link"] = None if link is None else dict(link())
+    conclude(
+        manifest,
+        status=_status(outcome, error),
+        message=_message(outcome, error, scenario),
+        ticks=outcome.ticks,
+    )
+    leave = _Leaver()
+    leave(lambda: write_manifest(folder, manifest))
+    content = _report(folder, manifest, recorder, expectations, leave if figure else None)
+    # Last, so that it is the peak of everything, the figure included.
+    content["peak_memory"] = peak_memory()
+    leave(lambda: write_json(folder / SUMMARY_FILE, content))
+    if leave.error is not None and not content["message"]:
+        content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
+    return Finished(folder, Summary(content), error)
+
+
+def _here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:
+    """Run in this very thread."""
+    simulation.run(recorder, progress=progress)
+
+
+def _run(
+    simulation: Simulation, recorder: Recorder, execute: Execute, progress: Progress | None
+) -> CohapticError | None:
+    """The loop; the record is complete afterwards, whatever happened."""
+    try:
+        with recorder:
+            execute(simulation, recorder, progress)
+    except CohapticError as error:
+        return error
+    return None
+
+
+class _Leaver:
+    """Leaves files behind, and keeps the first refusal: the record matters more than they do."""
+
+    def __init__(self) -> None:
+        self.error: OSError | None = None
+
+    def __call__(self, write: Callable[[], None]) -> None:
+        try:
+            write()
+        except OSError as error:
+            self.error = self.error or error
+
+
+def _report(
+    folder: Path,
+    manifest: Mapping[str, Any],
+    recorder: Recorder,
+    expectations: Sequence[Expectation],
+    leave: _Leaver | None,
+) -> dict[str, Any]:
+    """The summary's content; the overview is drawn through ``leave``."""
+    summaries = recorder.summaries()
+    with open_run(folder) as run:
+        run.manifest = manifest
+        content = dict(summarise(run, expectations, summaries).content)
+        if leave is not None:
+            from cosim.report.overview import draw_overview
+
+            line = facts(content)
+            leave(
+                lambda: replace_file(
+                    folder / FIGURE_FILE, lambda path: draw_overview(run, path, summaries, line)
+                )
+            )
+    return content
+
+
+def _components(simulation: Simulation) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for name, component in simulation.scenario.components.items():
+        found[name] = {"kind": str(component.kind), "source": component.source}
+        fmu = simulation.assembly.participants[name].fmu
+        if fmu is not None:
+            found[name] |= {"fmi": fmu.version, "token": fmu.token, "sha256": fmu.sha256}
+    return found
+
+
+def _timing(outcome: Outcome, recorder: _FolderRecorder, scenario: Scenario) -> dict[str, float]:
+    """The loop's wall time with everything recorded, start-up and figure apart."""
+    wall_time = outcome.wall_time + recorder.drain_time
+    simulated = float(outcome.ticks / scenario.base_rate)
+    return {
+        "wall_time": wall_time,
+        "real_time_factor": simulated / wall_time if wall_time else 0.0,
+        "start_up_time": recorder.start_up_time,
+    }
+
+
+def peak_memory() -> int:
+    """Most memory that this process ever held (bytes)."""
+    try:
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM")) * 1024
+    except (OSError, StopIteration):
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def _status(outcome: Outcome, error: CohapticError | None) -> int:
+    if error is not None:
+        return error.exit_status
+    return int(outcome.interrupted)
+
+
+def _message(outcome: Outcome, error: CohapticError | None, scenario: Scenario) -> str:
+    if error is not None:
+        return str(error)
+    if outcome.interrupted:
+        reached = float(outcome.ticks / scenario.base_rate)
+        return (
+            f"Interrupted at tick {outcome.ticks} of {scenario.ticks} (t = {reached:g} s); "
+            "the record holds everything before."
+        )
+    return ""

@@ -1,1 +1,0 @@
-"""The scenarios that come with cohaptic; a package, so that an installed wheel carries them."""
