@@ -10,10 +10,12 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from cosim.base.component import Component, Variable
+from cosim.base.component import Component
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.suggest import did_you_mean
+from cosim.master.assembly.blame import told
 from cosim.master.assembly.interface import Interface
+from cosim.master.assembly.variables import checked_variables
 
 DEVICES = "cohaptic.devices"
 COMPONENTS = "cohaptic.components"
@@ -41,8 +43,8 @@ def load_class(source: str, folder: Path) -> Component:
         raise InputError(f"{source} is not a subclass of cosim.base.component.Component")
     try:
         return made()
-    except TypeError as error:
-        raise InputError(f"{source} cannot be made without arguments: {error}") from None
+    except Exception as error:
+        raise InputError(f"{source}() cannot be made: {told(error)}") from None
 
 
 def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any]) -> Component:
@@ -68,19 +70,24 @@ def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any])
 
 
 def interface_of(name: str, component: Component, *, feedthrough: bool | None) -> Interface:
-    """A Python component as the connections see it."""
-    variables: dict[str, Variable] = {}
-    for variable in component.variables:
-        if variable.name in variables:
-            raise InputError(f"{name} has two variables named '{variable.name}'")
-        variables[variable.name] = variable
-    return Interface(
-        component=name,
-        variables=variables,
-        feedthrough=component.feedthrough if feedthrough is None else feedthrough,
-        dependencies=component.dependencies,
-        terminals=component.terminals,
-    )
+    """A Python component as the connections see it.
+
+    Raises:
+        InputError: what it says of its variables cannot be, or saying it fails.
+    """
+    try:
+        variables = checked_variables(component)
+        return Interface(
+            component=name,
+            variables=variables,
+            feedthrough=component.feedthrough if feedthrough is None else feedthrough,
+            dependencies=component.dependencies,
+            terminals=component.terminals,
+        )
+    except CohapticError:
+        raise
+    except Exception as error:
+        raise InputError(f"{name} cannot tell its variables: {told(error)}") from None
 
 
 def methods_of(component: Component) -> frozenset[str]:
@@ -98,15 +105,15 @@ def sentences(name: str, when: str) -> Generator[None]:
     except CohapticError:
         raise
     except Exception as error:
-        raise RunError(f"{name} failed {when}: {type(error).__name__}: {error}") from error
+        raise RunError(f"{name} failed {when}: {told(error)}") from error
 
 
 def _find_class(module_name: str, class_name: str, folder: Path) -> Any:
     sys.path.insert(0, str(folder))
     try:
         module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise InputError(f"the module {module_name} cannot be imported: {error}") from None
+    except (Exception, SystemExit) as error:
+        raise InputError(f"the module {module_name} cannot be imported: {told(error)}") from None
     finally:
         sys.path.remove(str(folder))
     if not hasattr(module, class_name):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import InputError
@@ -40,5 +41,16 @@ def _path(scenario: Scenario, component: str, sentence: str) -> tuple[PathKey, .
         if re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", sentence)
     ]
     if named:
-        return ("components", component, *max(named, key=lambda place: len(place[1])))
+        paths = [("components", component, *value) for value in named]
+        return max(paths, key=lambda path: _suspicion(scenario, path))
     return ("components", component, *(["parameters"] if written.parameters else []))
+
+
+def _suspicion(scenario: Scenario, path: tuple[str, str, str, str]) -> tuple[bool, bool, int]:
+    """What was written last is the likeliest: an override, then an overlay; then the longest name.
+
+    A sentence names every value of a rule ("mass, inertia and side must be positive").
+    """
+    place = scenario.locate(path)
+    is_other = (Path.cwd() / place.file).resolve() != scenario.file.resolve()
+    return place.line == 0, is_other, len(path[3])

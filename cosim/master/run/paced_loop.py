@@ -14,10 +14,12 @@ from typing import Any
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup, Rows, Sink
+from cosim.master.assembly.blame import told
 from cosim.master.channels.packets import BLOCK
 from cosim.master.kernel.native import Outcome, library
 from cosim.master.kernel.program import Program
 from cosim.master.run.diagnosis import moment
+from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish
 from cosim.master.run.pacing import Pacer, Work
 
@@ -46,7 +48,7 @@ class PacedLoop:
             name = f"{call.component}.{call.method}"
             if name not in self._names:
                 self._names.append(name)
-            handler = getattr(components[call.component], call.method)
+            handler = guarded(program, components[call.component], call)
             self._handlers[operation] = (handler, self._names.index(name))
 
     def run(self, end: int, pacer: Pacer, wish: Wish) -> Outcome:
@@ -83,7 +85,7 @@ class PacedLoop:
                 failed = program.calls[int(kernel.operation)]
                 raise RunError(
                     f"{failed.component} failed in {failed.method} at {moment(program)}: "
-                    f"{type(error).__name__}: {error}"
+                    f"{told(error)}"
                 ) from error
             finally:
                 stepped = clock()

@@ -24,6 +24,7 @@ from cosim.master.kernel.native import Outcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
 from cosim.master.run.diagnosis import explain, moment
+from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.master.run.paced_loop import PacedLoop
 from cosim.master.run.pacing import Pacer
@@ -79,6 +80,7 @@ class Simulation:
         """What was reached, also after an error."""
         self._fmus: dict[str, Fmu] = {}
         self._components: dict[str, Component] = {}
+        self._handlers: dict[int, Callable[[int], None]] = {}
         self._started: list[Component] = []
         self._failed: set[str] = set()
         self._wall_time = 0.0
@@ -288,9 +290,13 @@ class Simulation:
         return Stop(library().kernel_evaluate(_address(self.program), program))
 
     def _serve(self) -> None:
-        call = self.program.calls[self.program.kernel.operation]
+        operation = int(self.program.kernel.operation)
+        call = self.program.calls[operation]
+        if operation not in self._handlers:
+            component = self._components[call.component]
+            self._handlers[operation] = guarded(self.program, component, call)
         with sentences(call.component, f"in {call.method} at {moment(self.program)}"):
-            getattr(self._components[call.component], call.method)(self.program.kernel.tick)
+            self._handlers[operation](int(self.program.kernel.tick))
 
     def _raise_unless_done(self, stop: Stop) -> None:
         if stop is not Stop.DONE:

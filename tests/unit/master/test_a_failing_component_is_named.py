@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import fmus.probe
-from cosim.base.errors import RunError
+from cosim.base.errors import InputError, RunError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import Simulation, assemble
 from tests.support.master.master_support import scenario_of
@@ -101,3 +101,22 @@ def test_every_component_is_closed_after_a_failure(tmp_path: Path) -> None:
     }
     fail(tmp_path, written)
     assert master_parts.Growing.closed == 1
+
+
+def test_what_was_overridden_is_blamed_for_a_rule_that_names_several(tmp_path: Path) -> None:
+    written = {
+        "duration": 1,
+        "components": {
+            "box": {
+                "fmu": "distributed_workstation",
+                "rate": 1024,
+                "parameters": {"mass": 0.4, "inertia": 0.001, "side": 0.1},
+            }
+        },
+    }
+    override = "components.box.parameters.side=-1"
+    simulation = assemble(scenario_of(tmp_path, written, [override]))
+    with pytest.raises(InputError) as caught:
+        simulation.run(MemorySink())
+    assert str(caught.value).startswith(f"--set {override}: box returned status 'error'")
+    assert "mass, inertia and side of the box must be positive." in str(caught.value)

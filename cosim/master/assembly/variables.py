@@ -1,0 +1,86 @@
+"""What a Python component says of its variables, judged before anything is built on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Any, cast
+
+from cosim.base.component import Causality, Component, Variable, VariableType
+from cosim.base.errors import InputError
+from cosim.base.show import describe, show
+from cosim.base.suggest import did_you_mean
+from cosim.master.assembly.blame import written_at
+
+
+def checked_variables(component: Component) -> dict[str, Variable]:
+    """The component's variables by name.
+
+    Raises:
+        InputError: they are no list of variables, two have one name, or one cannot be.
+    """
+    kind = type(component)
+    where = f"{kind.__name__}.variables{written_at(kind.variables)}"
+    given = cast("object", component.variables)
+    if isinstance(given, str | bytes) or not isinstance(given, Sequence):
+        raise InputError(f"{where} has to be a list of Variable, not {_described(given)}")
+    found: dict[str, Variable] = {}
+    for variable in cast("Sequence[object]", given):
+        if not isinstance(variable, Variable):
+            raise InputError(f"{where} has {_described(variable)} in it, which is no Variable")
+        _check(where, variable)
+        if variable.name in found:
+            raise InputError(f"{where} has two variables named '{variable.name}'")
+        found[variable.name] = variable
+    return found
+
+
+def _check(where: str, variable: Variable) -> None:
+    name: Any = variable.name
+    shape: Any = variable.shape
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(f"{where} has a variable whose name is {describe(name)}")
+    enumerations: list[tuple[str, object, type[StrEnum]]] = [
+        ("type", variable.type, VariableType),
+        ("causality", variable.causality, Causality),
+    ]
+    for key, value, kind in enumerations:
+        if not isinstance(value, kind):
+            names = [member.name for member in kind]
+            hint = did_you_mean(str(value), names, listed=0)
+            raise InputError(
+                f"{where}: the {key} of '{name}' is {_described(value)}; it has to be a "
+                f"{kind.__name__}, such as {kind.__name__}.{names[1]}.{hint}"
+            )
+    sizes: list[Any] = [*shape] if isinstance(shape, tuple) else [None]
+    if not all(type(size) is int and size > 0 for size in sizes):
+        raise InputError(
+            f"{where}: the shape of '{name}' is {show(shape)}; it has to be (), (n,) or (n, m) "
+            "with whole numbers above 0"
+        )
+    _check_start(where, variable)
+
+
+def _check_start(where: str, variable: Variable) -> None:
+    import numpy as np
+
+    if variable.start is None or isinstance(variable.start, str):
+        return
+    try:
+        start = np.asarray(variable.start, dtype=float)
+    except (TypeError, ValueError):
+        message = f"{where}: the start of '{variable.name}' is {_described(variable.start)}"
+        raise InputError(f"{message}; it has to be a number or have its shape") from None
+    if start.shape not in {(), variable.shape}:
+        raise InputError(
+            f"{where}: the start of '{variable.name}' has the shape {show(start.shape)}, the "
+            f"variable {show(variable.shape)}"
+        )
+
+
+def _described(value: Any) -> str:
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    name = str(type(value).__name__)
+    known = {"NoneType", "bool", "int", "float", "str", "dict", "list", "tuple"}
+    return describe(value) if name in known else f"a {name}"

@@ -1,0 +1,48 @@
+"""A Python component's outputs are looked at when it has put them out, like those of an FMU.
+
+Otherwise a NaN would be noticed where it arrives, and its reader blamed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cosim.base.component import Causality, Component
+from cosim.base.errors import RunError
+from cosim.master.assembly.interface import Element, has_cells, size_of
+from cosim.master.kernel.program import Call, Program
+from cosim.master.run.diagnosis import moment
+
+
+def guarded(program: Program, component: Component, call: Call) -> Callable[[int], None]:
+    """The call of one of the component's methods, refusing a NaN among the outputs after it.
+
+    Raises, when called:
+        RunError: an output became NaN.
+    """
+    handler: Callable[[int], None] = getattr(component, call.method)
+    interface = program.parts[call.component].interface
+    numbers = [
+        program.layout.cells[call.component, variable.name] + index
+        for variable in interface.variables.values()
+        if variable.causality is Causality.OUTPUT and variable.type.is_float
+        if has_cells(variable)
+        for index in range(size_of(variable))
+    ]
+    if not numbers or call.method == "write":
+        return handler
+    outputs, cells = np.array(numbers), program.cells.view(np.float64)
+
+    def handle(tick: int) -> None:
+        handler(tick)
+        bad = np.isnan(cells[outputs])
+        if bad.any():
+            _, variable, index = program.layout.owner(int(outputs[bad][0]))
+            name = interface.element_name(Element(variable, index))
+            raise RunError(
+                f"{call.component}.{name} became NaN in {call.method} at {moment(program)}"
+            )
+
+    return handle
