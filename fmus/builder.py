@@ -20,11 +20,11 @@ from pathlib import Path
 
 from cosim.base import units
 from fmus.archive import FLAVOURS, fmu_bytes, licence_files
+from fmus.cache import cache_directory
 from fmus.compiler import (
     PLATFORMS,
     BuildError,
     Platform,
-    cache_directory,
     compile_library,
     host_platform,
 )

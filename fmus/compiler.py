@@ -15,6 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from fmus.cache import cache_directory
+
 
 class BuildError(Exception):
     """A native library could not be built; the message holds what the compiler said."""
@@ -99,19 +101,6 @@ def host_platform() -> Platform:
             return candidate
     known = ", ".join(candidate.name for candidate in PLATFORMS)
     raise BuildError(f"There is no native build for {machine}-{system}; there is one for {known}.")
-
-
-def cache_directory() -> Path:
-    """Where compiled objects are kept between builds: the user's cache directory."""
-    if base := os.environ.get("COHAPTIC_CACHE_DIR"):
-        return Path(base)
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA", str(Path.home() / "AppData" / "Local"))
-    elif sys.platform == "darwin":
-        base = str(Path.home() / "Library" / "Caches")
-    else:
-        base = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
-    return Path(base) / "cohaptic"
 
 
 def compile_library(

@@ -48,7 +48,7 @@ def unpack(path: Path, digest: str) -> Path:
     Raises:
         InputError: not a zip, damaged, too large, or an entry would be written outside its folder.
     """
-    from fmus.compiler import cache_directory
+    from fmus.cache import cache_directory
 
     folder = cache_directory() / "fmus" / digest
     if folder.is_dir():

@@ -30,7 +30,7 @@ def read_description(path: Path, structure: Mapping[str, int] | None = None) -> 
 
 @lru_cache(maxsize=128)
 def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> FmuDescription:
-    from fmus.compiler import cache_directory
+    from fmus.cache import cache_directory
 
     folder = unpack(path, digest)
     name = hashlib.sha256(repr((digest, structure, _readers())).encode()).hexdigest()

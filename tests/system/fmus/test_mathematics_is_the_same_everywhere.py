@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fmus.builder import support_files
-from fmus.compiler import FLAGS, cache_directory, compiler_path
+from fmus.cache import cache_directory
+from fmus.compiler import FLAGS, compiler_path
 from tests.support.fmus.native_support import BINARY, INCLUDE, SOURCE, UNARY, binary, library, unary
 
 GOLDEN = (

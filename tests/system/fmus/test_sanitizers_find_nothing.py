@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from fmus.builder import FOLDER, model_files, support_files
-from fmus.compiler import cache_directory, compiler_path
+from fmus.cache import cache_directory
+from fmus.compiler import compiler_path
 from fmus.header import description_source, variables_header
 from tests.support.fmus import fmu_support as support
 
