@@ -10,7 +10,6 @@ import ctypes
 import platform
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -128,18 +127,6 @@ class Binding(Protocol):
     def free(self) -> None:
         """Give the instance back."""
         ...
-
-
-@cache
-def open_library(path: Path, version: int) -> Library:
-    """The library at ``path``, opened once; it stays loaded, since instances share it.
-
-    Raises:
-        InputError: it cannot be loaded, or lacks a function.
-    """
-    from cosim.master.fmu import fmi2, fmi3
-
-    return Library(path, fmi2.PROTOTYPES if version == 2 else fmi3.PROTOTYPES)
 
 
 def platform_folder(version: int) -> str:

@@ -15,12 +15,12 @@ from cosim.master.fmu.binding import (
     WARNING,
     Binding,
     library_suffix,
-    open_library,
     platform_folder,
 )
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
+from cosim.master.fmu.library import open_library
 from cosim.master.kernel.native import LogStruct
 from cosim.scenario.build.timebase import hertz
 
