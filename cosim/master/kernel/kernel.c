@@ -12,8 +12,8 @@ static void convert(Cell *cells, const Conversion *conversions, int64_t count)
 {
     for (int64_t i = 0; i < count; i++) {
         const Conversion *c = &conversions[i];
-        double value = c->from_integer ? (double)cells[c->from].integer : cells[c->from].real;
-        cells[c->to].real = value * c->gain + c->offset;
+        double value = c->from_integer ? (double)cells[c->source].integer : cells[c->source].real;
+        cells[c->target].real = value * c->gain + c->offset;
     }
 }
 

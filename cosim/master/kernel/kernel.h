@@ -72,8 +72,8 @@ typedef union {
 
 /* One linear or type conversion on the way from an output to an input (KIND_CONVERT). */
 typedef struct {
-    int64_t from;
-    int64_t to;
+    int64_t source;
+    int64_t target;
     int64_t from_integer; /* the source cell holds an int64 */
     double gain;
     double offset;
