@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from cosim.base import units
+from cosim.base import meaning, units
 from fmus.archive import FLAVOURS, fmu_bytes, licence_files
 from fmus.cache import cache_directory
 from fmus.compiler import (
@@ -243,7 +243,7 @@ def _common_digest() -> bytes:
     files = [path for folder in _INCLUDE[:5] for path in folder.glob("*.h")]
     files += [*_glue_files(), *support_files()]
     files += [FOLDER / f"{name}.py" for name in (*_GENERATORS, "layout")]
-    files.append(Path(units.__file__))
+    files += [Path(units.__file__), Path(meaning.__file__)]
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(f"{path.name}\0".encode() + path.read_bytes() + b"\0")

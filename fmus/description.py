@@ -20,6 +20,12 @@ LOG_CATEGORIES = {
 TOOL = "cohaptic"
 """The generationTool; outputs of FMUs made by it may be read after setting inputs in one tick."""
 
+MEANING = "org.cohaptic.meaning"
+"""Type of the annotation that says what a variable means; in FMI 2.0 the name of a ``Tool``."""
+
+ROLE = "org.cohaptic.role"
+"""Type of the annotation that says what becomes of a variable where a device takes its place."""
+
 
 def to_text(root: ET.Element) -> bytes:
     """The document as indented UTF-8, the same bytes for the same content."""
@@ -60,6 +66,20 @@ def add_log_categories(parent: ET.Element) -> None:
     categories = add(parent, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         add(categories, "Category", name=name, description=description)
+
+
+def add_meanings(parent: ET.Element, elements: list[Element]) -> None:
+    """``Meaning`` for each element that has one; ``element`` numbers those of an array from 1."""
+    for element in elements:
+        if element.meaning is not None:
+            slot = element.belongs_to
+            add(
+                parent,
+                "Meaning",
+                element=str(element.index + 1) if len(elements) > 1 else None,
+                peer=None if slot.peer is None else str(slot.peer),
+                finger=None if slot.finger is None else str(slot.finger),
+            ).text = element.meaning.value
 
 
 def feedthrough(layout: Layout, placed: Placed) -> list[Placed]:

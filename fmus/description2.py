@@ -94,9 +94,13 @@ def _add_variable(variables: ET.Element, element: Element) -> None:
         max=description.limit_text(element, variable.maximum) if limited else None,
         start=description.start_text(element),
     )
+    if variable.role is None and element.meaning is None:
+        return
+    annotations = add(scalar, "Annotations")
     if variable.role is not None:
-        tool = add(add(scalar, "Annotations"), "Tool", name=description.TOOL)
-        add(tool, "Role").text = variable.role
+        add(add(annotations, "Tool", name=description.ROLE), "Role").text = variable.role
+    if element.meaning is not None:
+        description.add_meanings(add(annotations, "Tool", name=description.MEANING), [element])
 
 
 def _add_structure(root: ET.Element, layout: Layout) -> None:

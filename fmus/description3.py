@@ -135,9 +135,15 @@ def _add_variable(parent: ET.Element, name: str, elements: list[Element], size: 
         max=description.limit_text(first, variable.maximum) if limited else None,
         start=" ".join(starts) if starts and variable.type != "string" else None,
     )
-    if variable.role is not None:
+    meanings = [element for element in elements if element.meaning is not None]
+    if variable.role is not None or meanings:
         annotations = add(node, "Annotations")
-        add(annotations, "Annotation", type=f"{description.TOOL}.role").text = variable.role
+        if variable.role is not None:
+            add(annotations, "Annotation", type=description.ROLE).text = variable.role
+        if meanings:
+            description.add_meanings(
+                add(annotations, "Annotation", type=description.MEANING), elements
+            )
     if size is not None:
         add(node, "Dimension", start=str(size))
     if variable.type == "string":

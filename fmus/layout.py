@@ -6,11 +6,12 @@ The slot is the FMI value reference and the offset (in 8 bytes) into the C struc
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 
-from fmus.table import Enumeration, Group, Model, Variable
+from cosim.base.meaning import Meaning, Slot
+from fmus.table import Enumeration, Group, Model, Numbered, Variable
 
 STRING_SLOTS = 64
 """Slots that one string takes: 511 bytes and the terminating zero."""
@@ -24,6 +25,7 @@ class Placed:
     group: str
     variable: Variable
     slot: int
+    belongs_to: Slot
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,13 @@ class Element:
     variable: Variable
     slot: int
     index: int
+    belongs_to: Slot
+
+    @property
+    def meaning(self) -> Meaning | None:
+        """The meaning of this element."""
+        meaning = self.variable.meaning
+        return meaning[self.index] if isinstance(meaning, tuple) else meaning
 
     @property
     def start(self) -> float | int | bool | str | None:
@@ -52,14 +61,17 @@ class Layout:
     def __init__(self, model: Model) -> None:
         self.model = model
         self.placed: list[Placed] = []
-        self.slots = self._place(model.variables, "", 0)
+        self.slots = self._place(model.variables, "", 0, Slot())
         self._check()
 
-    def _place(self, members: tuple[Variable | Group, ...], prefix: str, slot: int) -> int:
+    def _place(
+        self, members: tuple[Variable | Group, ...], prefix: str, slot: int, belongs_to: Slot
+    ) -> int:
         for member in members:
             if isinstance(member, Variable):
                 path = f"{prefix}{member.name}"
-                self.placed.append(Placed(path, prefix.rstrip("."), member, slot))
+                own = Slot(member.peer or belongs_to.peer, member.finger or belongs_to.finger)
+                self.placed.append(Placed(path, prefix.rstrip("."), member, slot, own))
                 slot += (member.size or 1) * (STRING_SLOTS if member.type == "string" else 1)
                 continue
             names = (
@@ -67,8 +79,9 @@ class Layout:
                 if member.count is None
                 else [f"{member.name}_{number}" for number in range(1, member.count + 1)]
             )
-            for name in names:
-                slot = self._place(member.members, f"{prefix}{name}.", slot)
+            for number, name in enumerate(names, start=1):
+                inner = _numbered(belongs_to, member.numbers, number)
+                slot = self._place(member.members, f"{prefix}{name}.", slot, inner)
         return slot
 
     @cached_property
@@ -136,11 +149,22 @@ def elements_of(placed: Placed) -> list[Element]:
     """The scalar elements of one variable."""
     variable, width = placed.variable, STRING_SLOTS if placed.variable.type == "string" else 1
     if variable.size is None:
-        return [Element(placed.path, variable, placed.slot, 0)]
+        return [Element(placed.path, variable, placed.slot, 0, placed.belongs_to)]
     return [
-        Element(f"{placed.path}[{index + 1}]", variable, placed.slot + width * index, index)
+        Element(
+            f"{placed.path}[{index + 1}]",
+            variable,
+            placed.slot + width * index,
+            index,
+            _numbered(placed.belongs_to, variable.each, index + 1),
+        )
         for index in range(variable.size)
     ]
+
+
+def _numbered(slot: Slot, what: Numbered | None, number: int) -> Slot:
+    """``slot`` with the number of what is numbered, if anything is."""
+    return slot if what is None else replace(slot, **{what: number})
 
 
 def _problems(variable: Variable) -> Iterator[str]:
@@ -155,5 +179,9 @@ def _problems(variable: Variable) -> Iterator[str]:
         yield "must have an enumeration exactly if it is of that type"
     if variable.type == "real" and variable.unit is None:
         yield "needs a unit ('1' for a pure number, '' for any)"
+    if isinstance(variable.meaning, tuple) and len(variable.meaning) != variable.size:
+        yield f"has {len(variable.meaning)} meanings for {variable.size or 1} elements"
+    if variable.each and variable.size is None:
+        yield "numbers its elements, but is no array"
     if variable.depends_on and variable.causality == "input":
         yield "is an input and depends on nothing"

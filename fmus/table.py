@@ -16,8 +16,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from cosim.base.meaning import Meaning
+
 Type = Literal["real", "integer", "boolean", "enumeration", "string"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local"]
+Numbered = Literal["peer", "finger"]
 Role = Literal["actuated", "measured", "derived", "simulation_only"]
 
 
@@ -51,6 +54,9 @@ class Variable:
     ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
     numbers, empty for what takes the unit of whatever it is connected to. A parameter is ``fixed``;
     ``start`` is a scalar (for every element) or a tuple.
+    ``meaning`` is what others look for; an array may have one for each element. ``finger`` and
+    ``peer`` number what it belongs to, where the group around it does not; ``each`` says that the
+    elements of an array are numbered so.
     """
 
     name: str
@@ -64,17 +70,26 @@ class Variable:
     size: int | None = None
     enumeration: Enumeration | None = None
     role: Role | None = None
+    meaning: Meaning | tuple[Meaning, ...] | None = None
+    finger: int | None = None
+    peer: int | None = None
+    each: Numbered | None = None
     depends_on: tuple[str, ...] = ()
     initial_depends_on: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Variables under a common prefix, repeated ``count`` times where that is given."""
+    """Variables under a common prefix, repeated ``count`` times where that is given.
+
+    ``numbers`` says what the members belong to: the peer or finger of the group's number, or the
+    first one without ``count``.
+    """
 
     name: str
     members: tuple[Variable | Group, ...]
     count: int | None = None
+    numbers: Numbered | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

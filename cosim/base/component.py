@@ -21,6 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.base.meaning import NO_SLOT, Meaning, Slot
+
 
 class Causality(StrEnum):
     """How a variable is seen from outside (FMI 3.0, section 2.4.7.4)."""
@@ -73,6 +75,8 @@ class Variable:
 
     ``shape`` is empty for a scalar and ``(n,)`` or ``(n, m)`` for an array. ``unit`` is the FMI
     unit string, ``None`` where the variable has none. ``start`` has ``shape`` or is a scalar.
+    ``meaning`` is what others look for, and ``belongs_to`` whose it is: one for all elements, or a
+    tuple with one for each.
     """
 
     name: str
@@ -87,6 +91,20 @@ class Variable:
     description: str = ""
     role: Role | None = None
     items: Mapping[str, int] | None = None
+    meaning: Meaning | tuple[Meaning | None, ...] | None = None
+    belongs_to: Slot | tuple[Slot, ...] = NO_SLOT
+
+    def meaning_of(self, index: int = 0) -> Meaning | None:
+        """What element ``index`` (from 0, row-major) means."""
+        if not isinstance(self.meaning, tuple):
+            return self.meaning
+        return self.meaning[index] if index < len(self.meaning) else None
+
+    def slot_of(self, index: int = 0) -> Slot:
+        """Whose element ``index`` (from 0, row-major) is."""
+        if not isinstance(self.belongs_to, tuple):
+            return self.belongs_to
+        return self.belongs_to[index] if index < len(self.belongs_to) else NO_SLOT
 
 
 Cells = NDArray[np.float64] | NDArray[np.int64]

@@ -15,6 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.base.meaning import NO_SLOT, Meaning, Slot
+
 Rows = NDArray[np.int64]
 
 
@@ -29,6 +31,10 @@ class Column:
     causality: str = "output"
     items: tuple[tuple[int, str], ...] = ()
     """Names of an enumeration's values."""
+    meaning: Meaning | None = None
+    """What the signal means to those that look for it."""
+    belongs_to: Slot = NO_SLOT
+    """The peer and the finger whose it is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,12 +7,14 @@ and no HDF5 code runs while the loop runs. See docs/decisions/200-run-file.md.
 
 ::
 
-    /                 attributes: format, base_rate [numerator, denominator] in Hz
+    /                 attributes: format, base_rate [numerator, denominator] in Hz, meanings (1:
+                      signals that mean something say so; missing in records of 0.1.0)
     /<group>          one per rate; attributes: period (base ticks), rate [numerator, denominator]
     /<group>/rows     int64 scalar: the rows that are complete
     /<group>/tick     int64 (rows,): base tick of each row
     /<group>/<signal> float64 or int64 (rows,); attributes: name, unit, causality, and where
-                      there are any: description, items (JSON, names of an enumeration)
+                      there are any: description, items (JSON, names of an enumeration),
+                      meaning (docs/fmus.md) with the peer and the finger that it is of
 """
 
 from __future__ import annotations
@@ -84,6 +86,7 @@ def lay_out(
     _try_for_space(path, groups, capacities)
     with h5py().File(path, "w", libver=(HDF5_VERSION, HDF5_VERSION)) as file:
         file.attrs["format"] = np.int64(FORMAT_VERSION)
+        file.attrs["meanings"] = np.int64(1)
         file.attrs["base_rate"] = np.array(base_rate.as_integer_ratio(), np.int64)
         return [
             _lay_out_group(file, group, base_rate, capacity)
@@ -166,3 +169,9 @@ def _describe(dataset: Any, column: Column) -> None:
         dataset.attrs["description"] = column.description
     if column.items:
         dataset.attrs["items"] = json.dumps({str(value): name for value, name in column.items})
+    if column.meaning is not None:
+        dataset.attrs["meaning"] = column.meaning.value
+        slot = column.belongs_to
+        for what, number in (("peer", slot.peer), ("finger", slot.finger)):
+            if number is not None:
+                dataset.attrs[what] = np.int64(number)

@@ -50,6 +50,8 @@ class Playback(Component):
                         ),
                         unit=column.unit,
                         description=column.description,
+                        meaning=column.meaning,
+                        belongs_to=column.belongs_to,
                     )
                 )
                 if column.causality != "input":

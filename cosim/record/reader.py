@@ -19,10 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
+from cosim.base.meaning import NO_SLOT, Meaning, Slot
 from cosim.base.recording import Column
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
+from cosim.record.old_meaning import old_meaning
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 
 RUN_FILE = "run.h5"
@@ -118,7 +120,30 @@ class Signal:
             description=self.description,
             causality=str(attributes["causality"]),
             items=tuple((int(value), name) for value, name in items.items()),
+            meaning=self.meaning,
+            belongs_to=self.belongs_to,
         )
+
+    @property
+    def meaning(self) -> Meaning | None:
+        """What the signal means to those that look for it."""
+        return self._meant[0]
+
+    @property
+    def belongs_to(self) -> Slot:
+        """The peer and the finger whose it is."""
+        return self._meant[1]
+
+    @cached_property
+    def _meant(self) -> tuple[Meaning | None, Slot]:
+        if not self.group.run.has_meanings:
+            return old_meaning(self.name)
+        attributes = self._node.attrs
+        known = attributes.get("meaning")
+        if known not in set(Meaning):
+            return None, NO_SLOT  # none, or one that a later version knows
+        numbers = {key: int(attributes[key]) for key in ("peer", "finger") if key in attributes}
+        return Meaning(known), Slot(**numbers)
 
     @property
     def description(self) -> str:
@@ -164,6 +189,8 @@ class Run:
         numerator, denominator = (int(part) for part in file.attrs["base_rate"])
         self.base_rate = Fraction(numerator, denominator)
         """Base ticks a second (Hz)."""
+        self.has_meanings = "meanings" in file.attrs
+        """Whether signals say what they mean; a record of 0.1.0 does not."""
         self.groups: Mapping[str, Group] = MappingProxyType(
             {name: Group(self, name, node) for name, node in file.items()}
         )

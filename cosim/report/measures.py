@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.report.platform import Contact, Platform, find_platform, pose
+from cosim.report.platform import Contact, Platform, find_platform
 from cosim.report.target import Target, aligned
 from cosim.report.window import measure
 
@@ -127,7 +127,7 @@ def _over_copies(
     first, last = window or (0, run.ticks)
     found: list[float] = []
     for one, other in combinations(platform.copies, 2):
-        target = Target("", pose(one)[parts], pose(other)[parts], is_norm=True)
+        target = Target("", platform.poses[one][parts], platform.poses[other][parts], is_norm=True)
         found.append(getattr(measure(run, target, first, last).statistics, statistic))
     return max(found) if found else None
 
@@ -135,9 +135,9 @@ def _over_copies(
 def _box_displacement(run: Run, platform: Platform, window: TickRange | None) -> float | None:
     first, last = window or (0, run.ticks)
     found: list[float] = []
-    for copy in platform.copies:
+    for pose in platform.poses.values():
         start: list[float] | None = None
-        for _, values in aligned(run, pose(copy)[:2], first, last):
+        for _, values in aligned(run, pose[:2], first, last):
             start = start or [float(value[0]) for value in values]
             found.append(
                 float(np.hypot(values[0] - start[0], values[1] - start[1]).max(initial=0.0))
@@ -147,9 +147,9 @@ def _box_displacement(run: Run, platform: Platform, window: TickRange | None) ->
 
 def _wall_penetration(run: Run, platform: Platform, window: TickRange | None) -> float | None:
     first, last = window or (0, run.ticks)
-    names = [f"{copy}.wall_penetration" for copy in platform.copies]
     found = [
-        measure(run, _one(name), first, last).statistics.maximum for name in names if name in run
+        measure(run, _one(name), first, last).statistics.maximum
+        for name in platform.depths.values()
     ]
     return max(found) if found else None
 

@@ -105,7 +105,7 @@ def _draw_platform(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]
 
 def _draw_signals(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]) -> None:
     units: dict[str, list[str]] = {}
-    for name in headlines(list(run.signals)):
+    for name in headlines(run.signals):
         units.setdefault(run[name].unit, []).append(name)
     panels = list(units.items())[:MAX_PANELS]
     axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]

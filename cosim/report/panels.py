@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cosim.record.reader import Group, Run
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
-from cosim.report.platform import Contact, Platform, pose
+from cosim.report.platform import Contact, Platform
 from cosim.report.target import Target, blocks
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F", "#000000")
@@ -56,7 +56,7 @@ def draw_series(
 def draw_drift(axis: Any, run: Run, platform: Platform) -> None:
     """Distance between the copies of the box (mm)."""
     for index, (one, other) in enumerate(combinations(platform.copies, 2)):
-        target = Target("", pose(one)[:2], pose(other)[:2], is_norm=True)
+        target = Target("", platform.poses[one][:2], platform.poses[other][:2], is_norm=True)
         group = min((run[name].group for name in target.signals), key=lambda group: group.period)
         statistics = ColumnStatistics(np.array([True]), max(1, group.rows))
         for _, values in blocks(run, target, 0, run.ticks):

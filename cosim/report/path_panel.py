@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cosim.base.errors import CohapticError
 from cosim.record.reader import SCENARIO_FILE, Run
 from cosim.report.panels import COLOURS
-from cosim.report.platform import Platform, pose
+from cosim.report.platform import Platform
 
 GHOSTS = 17
 PATH_POINTS = 2000
@@ -24,8 +24,8 @@ TIME_LABEL = {"ha": "right", "va": "top", "fontsize": 7.5, "color": "0.25"}
 def draw_path(axis: Any, run: Run, platform: Platform) -> None:
     """Paths of the box's copies and the fingertips (m); ghosts darken with time."""
     paths = [
-        np.stack([_sampled(run, name, PATH_POINTS) for name in pose(copy)])
-        for copy in platform.copies
+        np.stack([_sampled(run, name, PATH_POINTS) for name in pose])
+        for pose in platform.poses.values()
     ]
     first = _parameters(run, platform.copies[0])
     side = float(first.get("side", DEFAULT_SIDE))
@@ -34,7 +34,7 @@ def draw_path(axis: Any, run: Run, platform: Platform) -> None:
         colour = COLOURS[index % len(COLOURS)]
         axis.plot(path[0], path[1], color=colour, linewidth=1.4, label=f"box of {copy}", zorder=3)
         _draw_ghosts(axis, path, side, moments, colour, is_first=index == 0)
-        _draw_fingers(axis, run, copy, colour)
+        _draw_fingers(axis, run, platform.tips[copy], colour)
     duration = float(run.ticks / run.base_rate)
     for moment in moments:
         x, y = _outline(_at(paths[0], moment), side)[0]
@@ -92,11 +92,8 @@ def _draw_ghosts(
         )
 
 
-def _draw_fingers(axis: Any, run: Run, copy: str, colour: str) -> None:
-    for finger in (1, 2):
-        names = [f"{copy}.finger_{finger}.position[{part}]" for part in (1, 2)]
-        if not all(name in run for name in names):
-            continue
+def _draw_fingers(axis: Any, run: Run, tips: Sequence[tuple[str, str]], colour: str) -> None:
+    for names in tips:
         x, y = (_sampled(run, name, PATH_POINTS) for name in names)
         axis.plot(x, y, color=colour, linewidth=0.7, alpha=0.6, zorder=2)
         axis.plot(x[-1:], y[-1:], "o", color=colour, markersize=5, zorder=4)

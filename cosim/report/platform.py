@@ -1,28 +1,26 @@
 """Which recorded signals are the platform's: copies of the box, and fingers that touch it.
 
-They are recognised by the names that the workstations give them, so that a foreign FMU that uses
-the same names is understood too.
+They are found by what they mean (``cosim.base.meaning``), whatever they are called.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-POSE = ("x", "y", "theta")
-_CONTACT = re.compile(
-    r"(?P<copy>[^.]+)\.(?P<finger>finger_\d+\.|(?:peer|client)_contact_\d+\.finger_\d+_)"
-    r"contact_state"
-)
+from cosim.base.meaning import Meaning, Slot
+from cosim.record.reader import Signal
+
+POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
+TIP = (Meaning.FINGER_X, Meaning.FINGER_Y)
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A finger on a copy of the box: ``finger_1`` is the copy's own, others are remote fingers."""
+    """A finger on a copy of the box: the copy's own, or with ``slot.peer`` a remote one."""
 
     copy: str
-    finger: str
+    slot: Slot
     state: str
     """Signal of the contact state: 0 free, 1 moment cancellation, 2 pre-slide, 3 slide."""
     normal_force: str | None
@@ -31,39 +29,72 @@ class Contact:
     @property
     def is_own(self) -> bool:
         """Whether the finger belongs to the workstation that simulates this copy."""
-        return re.fullmatch(r"finger_\d+", self.finger) is not None
+        return self.slot.peer is None
 
     def __str__(self) -> str:
-        remote = "" if self.is_own else ","
-        return f"{self.copy}{remote} {self.finger.replace('_', ' ')}"
+        finger = "finger" if self.slot.finger is None else f"finger {self.slot.finger}"
+        peer = "" if self.is_own else f", peer {self.slot.peer}"
+        return f"{self.copy}{peer} {finger}"
 
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """Copies of the box (names of components that show a pose) and contacts with them."""
+    """Copies of the box, by the component that shows each, and contacts with them."""
 
-    copies: tuple[str, ...]
+    poses: Mapping[str, tuple[str, str, str]]
+    """The signals of each copy's pose: x (m), y (m), theta (rad)."""
     contacts: tuple[Contact, ...]
+    tips: Mapping[str, tuple[tuple[str, str], ...]]
+    """The signals x, y (m) of the own fingers' tips, by copy."""
+    depths: Mapping[str, str]
+    """The signal of the depth in a wall (m), by copy."""
+
+    @property
+    def copies(self) -> tuple[str, ...]:
+        """Names of the components that show a pose."""
+        return tuple(self.poses)
 
 
-def find_platform(recorded: Collection[str]) -> Platform:
+def find_platform(recorded: Mapping[str, Signal]) -> Platform:
     """What of the platform is among the recorded signals; empty for another scenario."""
-    known = set(recorded)
-    copies = [
-        name.removesuffix(".box_pose.x")
-        for name in recorded
-        if name.endswith(".box_pose.x")
-        and all(f"{name.removesuffix('x')}{part}" in known for part in POSE)
-    ]
+    found: dict[str, dict[tuple[Meaning, Slot], str]] = {}
+    for name, signal in recorded.items():
+        if signal.meaning is not None:
+            component = found.setdefault(name.partition(".")[0], {})
+            component.setdefault((signal.meaning, signal.belongs_to), name)
+    poses: dict[str, tuple[str, str, str]] = {}
+    tips: dict[str, tuple[tuple[str, str], ...]] = {}
+    depths: dict[str, str] = {}
     contacts: list[Contact] = []
-    for name in recorded:
-        if match := _CONTACT.fullmatch(name):
-            force = f"{name.removesuffix('contact_state')}normal_force"
-            finger = match["finger"].rstrip("._").replace("_contact_", " ").replace(".", " ")
-            contacts.append(Contact(match["copy"], finger, name, force if force in known else None))
-    return Platform(tuple(copies), tuple(contacts))
+    for copy, meant in found.items():
+        pose = _together(meant, POSE, Slot())
+        if pose is not None:
+            x, y, angle = pose
+            poses[copy] = (x, y, angle)
+            pairs = (_together(meant, TIP, slot) for slot in _slots(meant, Meaning.FINGER_X))
+            tips[copy] = tuple((pair[0], pair[1]) for pair in pairs if pair is not None)
+            if (Meaning.WALL_PENETRATION, Slot()) in meant:
+                depths[copy] = meant[Meaning.WALL_PENETRATION, Slot()]
+        contacts += [
+            Contact(
+                copy,
+                slot,
+                meant[Meaning.CONTACT_STATE, slot],
+                meant.get((Meaning.NORMAL_FORCE, slot)),
+            )
+            for slot in _slots(meant, Meaning.CONTACT_STATE)
+        ]
+    return Platform(poses, tuple(contacts), tips, depths)
 
 
-def pose(copy: str) -> tuple[str, str, str]:
-    """The signals of a copy's pose: x (m), y (m), theta (rad)."""
-    return (f"{copy}.box_pose.x", f"{copy}.box_pose.y", f"{copy}.box_pose.theta")
+def _slots(meant: Iterable[tuple[Meaning, Slot]], meaning: Meaning) -> list[Slot]:
+    return [slot for found, slot in meant if found is meaning]
+
+
+def _together(
+    meant: Mapping[tuple[Meaning, Slot], str], meanings: tuple[Meaning, ...], slot: Slot
+) -> tuple[str, ...] | None:
+    """The signals of several meanings, where all are recorded."""
+    if any((meaning, slot) not in meant for meaning in meanings):
+        return None
+    return tuple(meant[meaning, slot] for meaning in meanings)

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cosim.record.reader import Run
+from cosim.base.meaning import Meaning
+from cosim.record.reader import Run, Signal
 from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation, evaluate
 from cosim.report.measures import SCENARIO_MEASURES, TickRange
@@ -21,16 +21,15 @@ from cosim.report.quantities import human, table
 
 SUMMARY_FILE = "summary.json"
 
-HEADLINES = tuple(
-    re.compile(pattern)
-    for pattern in (
-        r"[^.]+\.box_pose\.(x|y|theta)",
-        r"[^.]+\.finger_\d+\.normal_force",
-        r"[^.]+\.tip_position\[\d\]",
-        r"[^.]+\.motor_torque\[\d\]",
-        r"[^.]+\.(position|velocity|force)",
-    )
+HEADLINES = (
+    (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE),
+    (Meaning.NORMAL_FORCE,),
+    (Meaning.TIP_POSITION,),
+    (Meaning.MOTOR_TORQUE,),
+    (Meaning.AXIS_POSITION, Meaning.AXIS_VELOCITY, Meaning.AXIS_FORCE),
 )
+"""What a reader looks at first, in this order; of fingers, the own ones."""
+
 HEADLINE_ROWS = 16
 
 
@@ -86,7 +85,7 @@ def summarise(
         "channels": manifest.get("channels") or {},
         "deadlines": manifest.get("deadlines"),
         "warnings": manifest.get("warnings") or {},
-        "headlines": headlines(list(run.signals)),
+        "headlines": headlines(run.signals),
         "signals": {
             name: {"unit": signal.unit} | summaries[name].statistics.as_dict()
             for name, signal in run.signals.items()
@@ -137,10 +136,15 @@ def facts(content: Mapping[str, Any]) -> str:
     return " · ".join(parts)
 
 
-def headlines(names: Sequence[str]) -> list[str]:
+def headlines(signals: Mapping[str, Signal]) -> list[str]:
     """The signals that a reader looks at first; the first few of an unknown scenario."""
-    chosen = [name for pattern in HEADLINES for name in names if pattern.fullmatch(name)]
-    return (chosen or list(names))[:HEADLINE_ROWS]
+    chosen = [
+        name
+        for meanings in HEADLINES
+        for name, signal in signals.items()
+        if signal.meaning in meanings and signal.belongs_to.peer is None
+    ]
+    return (chosen or list(signals))[:HEADLINE_ROWS]
 
 
 def _recorded(run: Run) -> dict[str, int]:

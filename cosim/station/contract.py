@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
+from cosim.base.meaning import Meaning
 from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import Assembly
 from cosim.station.split import Half, Peer
-
-_LOCAL = re.compile(r"finger_\d+\.|device$")
-"""Parameters that describe a station's own devices and where they stand."""
 
 
 def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
@@ -44,10 +41,11 @@ def _clock(settings: list[LinkSettings]) -> str:
 
 def _component(assembly: Assembly, name: str) -> dict[str, Any]:
     participant = assembly.participants[name]
+    declared = participant.interface.variables
     parameters = {
-        variable: values
-        for variable, values in participant.parameters.items()
-        if not _LOCAL.match(variable)
+        name: values
+        for name, values in participant.parameters.items()
+        if name not in declared or declared[name].meaning_of() is not Meaning.OWN_DEVICE
     }
     found: dict[str, Any] = {"period": participant.period, "parameters": parameters}
     if participant.fmu is not None:

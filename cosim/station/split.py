@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 
+from cosim.base.component import Causality
 from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning, Slot
 from cosim.base.suggest import did_you_mean
 from cosim.link.stream.bundle import Bundle, Field
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
@@ -19,9 +21,17 @@ from cosim.master.assembly.wiring import Bundle as WiredBundle
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
 from cosim.scenario import Channel, Component, Connection, Direction, Kind, Record, Reference
 from cosim.scenario import Scenario as FullScenario
+from cosim.scenario.model import Value
 
-PEER_FACTS = {"peer_weight": "weight", "peer_valid": "valid", "peer_age": "age"}
-_PEER_GROUP = re.compile(r"(?:peer|client)_(\d+)\.")
+PEER_FACTS = {
+    Meaning.PEER_WEIGHT: "weight",
+    Meaning.PEER_VALID: "valid",
+    Meaning.PEER_AGE: "age",
+}
+"""What the link says of a peer to the inputs that mean it."""
+
+FIRST = 1
+"""The peer that a variable is of where it does not say."""
 
 
 @dataclass(slots=True)
@@ -99,7 +109,11 @@ class _Splitter:
         return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
 
     def _components(self) -> dict[str, Component]:
-        own = {n: c for n, c in self.scenario.components.items() if c.station == self.own}
+        own = {
+            name: replace(part, parameters=self._parameters(part))
+            for name, part in self.scenario.components.items()
+            if part.station == self.own
+        }
         for peer in self.peers.values():
             adds = any(setting.add_impairments for setting in peer.settings)
             own[peer.component] = Component(
@@ -113,6 +127,17 @@ class _Splitter:
                 period=1,
             )
         return own | self.helpers
+
+    def _parameters(self, part: Component) -> dict[str, Value]:
+        """With what follows from the rates of channels, which this half does not have."""
+        participant = self.assembly.participants[part.name]
+        variables = participant.interface.variables
+        network = {
+            name: values[0]
+            for name, values in participant.parameters.items()
+            if name in variables and variables[name].meaning_of() is Meaning.NETWORK_TICKS
+        }
+        return {**part.parameters, **network}
 
     def _peer(self, name: str) -> Peer:
         if name not in self.peers:
@@ -190,19 +215,21 @@ class _Splitter:
         """Connect weight, validity and age to the inputs that wait for them, and packet facts."""
         driven = self.assembly.wiring.connection_of
         slots = dict.fromkeys(
-            (wire.target.component, int(match[1]) if match else 1)
-            for wire in wires
-            for match in [_PEER_GROUP.match(wire.target.variable)]
+            (wire.target.component, self._slot(wire.target).peer or FIRST) for wire in wires
         )
         for component, place in slots:
-            variables = self.assembly.participants[component].interface.elements
-            for variable, fact in PEER_FACTS.items():
-                path = f"{variable}[{place}]"
-                if path not in variables:
+            interface = self.assembly.participants[component].interface
+            for path, element in interface.elements.items():
+                variable = interface.variables[element.variable]
+                meaning = variable.meaning_of(element.index)
+                fact = None if meaning is None else PEER_FACTS.get(meaning)
+                if fact is None or variable.causality is not Causality.INPUT:
                     continue
-                element = variables[path]
+                if (variable.slot_of(element.index).peer or FIRST) != place:
+                    continue
                 if Signal(component, element.variable, element.index) not in driven:
-                    self._connect_fact(peer, bundle, fact, _reference(component, path), via)
+                    target = _reference(component, path)
+                    self._connect_fact(peer, bundle, fact, target, via)
         for wire in self.assembly.wiring.wires:
             fact = wire.source
             if isinstance(fact, PacketFact) and fact.bundle == number:
@@ -272,7 +299,12 @@ class _Splitter:
 
     def _field(self, signal: Signal) -> Field:
         variable = self.assembly.participants[signal.component].interface.variables[signal.variable]
-        return replace(Field.of(variable, self._element(signal)), size=1)
+        one = replace(variable, shape=(), meaning=variable.meaning_of(signal.index))
+        return Field.of(one, self._element(signal))
+
+    def _slot(self, signal: Signal) -> Slot:
+        variables = self.assembly.participants[signal.component].interface.variables
+        return variables[signal.variable].slot_of(signal.index)
 
     def _element(self, signal: Signal) -> str:
         return f"{signal.component}.{self._path(signal)}"

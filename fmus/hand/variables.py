@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.table import Model, Variable
 
 MODEL = Model(
@@ -13,6 +14,7 @@ MODEL = Model(
             name="force",
             description="Force of the user on the mass",
             causality="input",
+            meaning=Meaning.AXIS_FORCE,
             unit="N",
             start=0.0,
         ),
@@ -23,8 +25,20 @@ MODEL = Model(
             unit="N",
             start=0.0,
         ),
-        Variable(name="position", description="Position", causality="output", unit="m"),
-        Variable(name="velocity", description="Velocity", causality="output", unit="m/s"),
+        Variable(
+            name="position",
+            description="Position",
+            causality="output",
+            unit="m",
+            meaning=Meaning.AXIS_POSITION,
+        ),
+        Variable(
+            name="velocity",
+            description="Velocity",
+            causality="output",
+            unit="m/s",
+            meaning=Meaning.AXIS_VELOCITY,
+        ),
         Variable(
             name="mass",
             description="Mass of hand and device",

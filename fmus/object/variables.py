@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.table import Model, Variable
 
 MODEL = Model(
@@ -17,8 +18,20 @@ MODEL = Model(
             start=0.0,
             size=4,
         ),
-        Variable(name="position", description="Position", causality="output", unit="m"),
-        Variable(name="velocity", description="Velocity", causality="output", unit="m/s"),
+        Variable(
+            name="position",
+            description="Position",
+            causality="output",
+            unit="m",
+            meaning=Meaning.AXIS_POSITION,
+        ),
+        Variable(
+            name="velocity",
+            description="Velocity",
+            causality="output",
+            unit="m/s",
+            meaning=Meaning.AXIS_VELOCITY,
+        ),
         Variable(
             name="mass",
             description="Mass",

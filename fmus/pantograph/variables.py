@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
 from fmus.table import Model, Terminal, Variable
 
@@ -99,6 +100,7 @@ _INPUTS = (
         size=2,
         start=0.0,
         role="actuated",
+        meaning=Meaning.MOTOR_TORQUE,
     ),
     Variable(
         name="hand_force",
@@ -174,6 +176,7 @@ _OUTPUTS = (
         causality="output",
         unit="m",
         size=2,
+        meaning=Meaning.TIP_POSITION,
         role="simulation_only",
     ),
     Variable(

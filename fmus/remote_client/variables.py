@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from fmus.shared.workstation import variables as workstation
-from fmus.shared.workstation.variables import ALL_FINGER_INPUTS, POSE, VELOCITY, planar, real
+from fmus.shared.workstation.variables import (
+    ALL_FINGER_INPUTS,
+    BOX_POSE,
+    POSE,
+    VELOCITY,
+    planar,
+    real,
+)
 from fmus.table import Group, Model
 
 _UP = (
@@ -42,9 +49,9 @@ MODEL = Model(
         ),
         *workstation.packet_counters(),
         *workstation.peer_inputs(peers=1),
-        Group("down", _DOWN),
+        Group("down", _DOWN, numbers="peer"),
         Group("up", _UP),
-        planar("box_pose", "Pose of the server's box, for display", POSE, _BOX),
+        planar("box_pose", "Pose of the server's box, for display", POSE, _BOX, meaning=BOX_POSE),
         planar("box_velocity", "Velocity of the server's box, for display", VELOCITY, _BOX),
     ),
     sources=(

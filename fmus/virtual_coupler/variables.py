@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.table import Model, Variable
 
 
@@ -25,6 +26,7 @@ MODEL = Model(
             description="Force on body b",
             causality="output",
             unit="N",
+            meaning=Meaning.AXIS_FORCE,
             depends_on=_ALL,
         ),
         Variable(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Variable, VariableType
 from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning
 from cosim.link.wire.packet import LARGEST_DATAGRAM, datagram_size
 
 Floats = NDArray[np.float64]
@@ -61,6 +62,13 @@ class FieldRole(StrEnum):
     STATUS = "status"
 
 
+ROLES = {
+    Meaning.SOURCE_TICK: FieldRole.SOURCE_TICK,
+    Meaning.SOURCE_AGE: FieldRole.SOURCE_AGE,
+    Meaning.SOURCE_STATUS: FieldRole.STATUS,
+}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
     """One variable of a bundle; every element travels as a float64.
@@ -88,12 +96,8 @@ class Field:
         speed: float | None = None,
     ) -> Field:
         """The field that carries a component's variable, with limits from it or from its unit."""
-        member = variable.name.rsplit(".", 1)[-1]
-        for role in FieldRole:
-            if member.endswith(role.value):
-                break
-        else:
-            role = FieldRole.VALUE
+        meaning = variable.meaning_of()
+        role = FieldRole.VALUE if meaning is None else ROLES.get(meaning, FieldRole.VALUE)
         integer = not variable.type.is_float
         magnitude, default_speed = LIMITS_BY_UNIT.get(variable.unit or "", (math.inf, math.inf))
         lowest, highest = RANGES.get(variable.type, (-math.inf, math.inf))

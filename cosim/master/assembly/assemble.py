@@ -13,6 +13,7 @@ from cosim.master.assembly.connections import wire
 from cosim.master.assembly.layout import Layout, lay_out
 from cosim.master.assembly.participants import Factory, Participant, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
+from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.wiring import Signal, Wiring
 from cosim.scenario import Kind, Scenario
@@ -52,6 +53,7 @@ def put_together(
     problems = Problems(scenario.root)
     clock = Clock(scenario.base_rate)
     participants = read_participants(scenario, clock, problems, instances, kinds)
+    follow_rates(scenario, participants, problems)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)

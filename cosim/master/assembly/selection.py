@@ -170,4 +170,6 @@ def _column(name: str, signal: Signal | PacketFact, interfaces: Mapping[str, Int
         description=variable.description,
         causality=str(variable.causality),
         items=items,
+        meaning=variable.meaning_of(signal.index),
+        belongs_to=variable.slot_of(signal.index),
     )

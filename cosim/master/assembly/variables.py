@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
+from math import prod
 from typing import Any, cast
 
 from cosim.base.component import Causality, Component, Variable, VariableType
 from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning, Slot
 from cosim.base.show import describe, show
 from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.blame import written_at
@@ -58,7 +60,25 @@ def _check(where: str, variable: Variable) -> None:
             f"{where}: the shape of '{name}' is {show(shape)}; it has to be (), (n,) or (n, m) "
             "with whole numbers above 0"
         )
+    _check_meaning(where, variable)
     _check_start(where, variable)
+
+
+def _check_meaning(where: str, variable: Variable) -> None:
+    """One for all elements, or a tuple with one for each."""
+    count = prod(variable.shape)
+    wanted: list[tuple[str, object, Any]] = [
+        ("meaning", variable.meaning, Meaning | None),
+        ("belongs_to", variable.belongs_to, Slot),
+    ]
+    for key, value, kind in wanted:
+        each = cast("tuple[object, ...]", value) if isinstance(value, tuple) else (value,) * count
+        if len(each) != count or not all(isinstance(item, kind) for item in each):
+            name = "Meaning" if key == "meaning" else "Slot"
+            raise InputError(
+                f"{where}: the {key} of '{variable.name}' is {_described(value)}; it has to be a "
+                f"{name} of cosim.base.meaning, or a tuple of one for each element ({count})"
+            )
 
 
 def _check_start(where: str, variable: Variable) -> None:

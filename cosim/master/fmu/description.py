@@ -15,6 +15,7 @@ from cosim.base.errors import InputError
 from cosim.base.quantity import exact
 from cosim.base.units import BASES, Unit, unit_of
 from cosim.master.assembly.interface import Interface
+from cosim.master.fmu.meanings import NOTHING, Meant, read_meanings
 
 _FMI2_TYPES = {
     "Real": VariableType.FLOAT64,
@@ -86,7 +87,11 @@ def parse_description(
         )
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = _Shapes(dict(structure), by_reference)
-    variables = {v.name: _variable(v, version, shapes) for v in description.modelVariables}
+    meant = read_meanings(path, folder / "modelDescription.xml")
+    variables = {
+        v.name: _variable(v, version, shapes, meant.get(v.name, NOTHING))
+        for v in description.modelVariables
+    }
     return FmuDescription(
         path=path,
         folder=folder,
@@ -141,7 +146,7 @@ class _Shapes:
         return tuple(shape)
 
 
-def _variable(variable: Any, version: int, shapes: _Shapes) -> Variable:
+def _variable(variable: Any, version: int, shapes: _Shapes, meant: Meant) -> Variable:
     kind = _FMI2_TYPES[variable.type] if version == 2 else _fmi3_type(variable.type)
     declared = variable.declaredType
     unit = variable.unit or (declared.unit if declared is not None else None)
@@ -158,6 +163,8 @@ def _variable(variable: Any, version: int, shapes: _Shapes) -> Variable:
         maximum=_bound(variable.max),
         description=variable.description or "",
         items=items or None,
+        meaning=meant.meaning,
+        belongs_to=meant.belongs_to,
     )
 
 

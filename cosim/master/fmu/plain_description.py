@@ -6,9 +6,10 @@ from dataclasses import fields
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from cosim.base.component import Causality, Role, Variable, VariableType
+from cosim.base.meaning import NO_SLOT, Meaning, Slot
 from cosim.base.units import Unit
 from cosim.master.fmu.description import FmuDescription
 
@@ -60,7 +61,11 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
 
 
 def _member_value(value: Any) -> Any:
-    """An enumeration's member as what it stands for."""
+    """An enumeration's member as what it stands for, a slot as a list."""
+    if isinstance(value, tuple):
+        return tuple(_member_value(item) for item in cast("tuple[Any, ...]", value))
+    if isinstance(value, Slot):
+        return [value.peer, value.finger]
     return value.value if isinstance(value, Enum) else value
 
 
@@ -83,8 +88,23 @@ def _variable(row: tuple[Any, ...]) -> Variable:
     values["causality"] = _CAUSALITIES[values["causality"]]
     role = values["role"]
     values["role"] = None if role is None else Role(role)
+    values["meaning"] = _meaning(values["meaning"])
+    values["belongs_to"] = _slot_of(values["belongs_to"])
     return Variable(**values)
 
 
+def _meaning(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_meaning(item) for item in cast("tuple[Any, ...]", value))
+    return None if value is None else Meaning(value)
+
+
+def _slot_of(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_slot_of(item) for item in cast("tuple[Any, ...]", value))
+    return Slot(*value) if value != _NO_SLOT else NO_SLOT
+
+
+_NO_SLOT = [None, None]
 _TYPES = {str(member): member for member in VariableType}
 _CAUSALITIES = {str(member): member for member in Causality}

@@ -8,10 +8,10 @@ from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from cosim.base import component, units
+from cosim.base import component, meaning, units
 from cosim.base.store import keep, recall
 from cosim.master.fmu import description as parser
-from cosim.master.fmu import plain_description
+from cosim.master.fmu import meanings, plain_description
 from cosim.master.fmu.archive import sha256_of, unpack
 from cosim.master.fmu.description import FmuDescription, parse_description
 from cosim.master.fmu.plain_description import from_plain, to_plain
@@ -49,7 +49,8 @@ def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> Fm
 @cache
 def _readers() -> tuple[object, ...]:
     """What a kept description depends on besides the FMU: the code that made it."""
-    own = [Path(str(module.__file__)) for module in (parser, plain_description, component, units)]
+    modules = (parser, plain_description, meanings, component, meaning, units)
+    own = [Path(str(module.__file__)) for module in modules]
     state = hashlib.sha256()
     for source in own:
         state.update(source.read_bytes())

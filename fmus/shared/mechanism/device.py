@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
+from cosim.base.meaning import Meaning
 from fmus.table import Enumeration, Item, Variable
 
 HEADER = Path(__file__).with_name("device_parameters.h")
@@ -44,6 +45,7 @@ def device_choice(description: str = "Preset of the device") -> Variable:
         causality="parameter",
         type="enumeration",
         enumeration=DEVICE,
+        meaning=Meaning.OWN_DEVICE,
         start=0,
     )
 
@@ -60,6 +62,7 @@ def device_parameters(section: Literal["GEOMETRY", "DYNAMICS"]) -> tuple[Variabl
             unit=entry["unit"] if entry["type"] == "real" else None,
             start=-1 if entry["type"] == "integer" else -1.0,
             minimum=-1,
+            meaning=Meaning.OWN_DEVICE,
         )
         for entry in _entries(section)
     )
@@ -74,6 +77,7 @@ def placement_parameters() -> tuple[Variable, ...]:
             causality="parameter",
             unit="m",
             start=0.0,
+            meaning=Meaning.OWN_DEVICE,
         ),
         Variable(
             name="base_y",
@@ -81,6 +85,7 @@ def placement_parameters() -> tuple[Variable, ...]:
             causality="parameter",
             unit="m",
             start=0.0,
+            meaning=Meaning.OWN_DEVICE,
         ),
         Variable(
             name="base_angle",
@@ -88,6 +93,7 @@ def placement_parameters() -> tuple[Variable, ...]:
             causality="parameter",
             unit="rad",
             start=0.0,
+            meaning=Meaning.OWN_DEVICE,
         ),
     )
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
 from fmus.table import Enumeration, Group, Item, Terminal, Variable
 
@@ -80,6 +83,7 @@ def real(
     *,
     minimum: float | None = None,
     size: int | None = None,
+    meaning: Meaning | None = None,
 ) -> Variable:
     """A real parameter."""
     return Variable(
@@ -90,6 +94,7 @@ def real(
         start=start,
         minimum=minimum,
         size=size,
+        meaning=meaning,
     )
 
 
@@ -101,6 +106,7 @@ def integer(
     minimum: int,
     maximum: int,
     size: int | None = None,
+    meaning: Meaning | None = None,
 ) -> Variable:
     """An integer parameter."""
     return Variable(
@@ -112,6 +118,7 @@ def integer(
         minimum=minimum,
         maximum=maximum,
         size=size,
+        meaning=meaning,
     )
 
 
@@ -141,6 +148,8 @@ def output(
     depends_on: tuple[str, ...] = (),
     *,
     size: int | None = None,
+    meaning: Meaning | tuple[Meaning, ...] | None = None,
+    finger: int | None = None,
 ) -> Variable:
     """A real output with a unit, an integer one without."""
     return Variable(
@@ -150,12 +159,20 @@ def output(
         type="real" if unit else "integer",
         unit=unit,
         size=size,
+        meaning=meaning,
+        finger=finger,
         depends_on=depends_on,
     )
 
 
 def signal(
-    name: str, description: str, unit: str | None, *, start: float = 0, size: int | None = None
+    name: str,
+    description: str,
+    unit: str | None,
+    *,
+    start: float = 0,
+    size: int | None = None,
+    meaning: Meaning | None = None,
 ) -> Variable:
     """A real input with a unit, an integer one without."""
     return Variable(
@@ -166,6 +183,7 @@ def signal(
         unit=unit,
         start=float(start) if unit else int(start),
         size=size,
+        meaning=meaning,
     )
 
 
@@ -177,10 +195,11 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
         *((count,) if peers else ()),
         real(
             "sample_period",
-            "Control period T_c; must be the period at which the model is stepped",
+            "Control period T_c: the period at which the model is stepped, as cohaptic sets it",
             "s",
             1 / 1024,
             minimum=0.0,
+            meaning=Meaning.SAMPLE_PERIOD,
         ),
         choice(
             "velocity_estimator",
@@ -238,7 +257,7 @@ def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[Varia
         if sent:
             members.append(output(name, text, "N.s", depends_on, size=2))
         else:
-            members.append(signal(name, text, "N.s", size=2))
+            members.append(signal(name, text, "N.s", size=2, meaning=Meaning.PEER_STATE))
     return tuple(members)
 
 
@@ -247,10 +266,12 @@ def deadband_parameters() -> tuple[Variable, ...]:
     return (
         integer(
             "network_ticks",
-            "Control periods in a network period, for the deadband and the packet counters",
+            "Control periods in a network period, for the deadband and the packet counters, as "
+            "cohaptic sets it",
             8,
             minimum=1,
             maximum=1_000_000,
+            meaning=Meaning.NETWORK_TICKS,
         ),
         real(
             "deadband",
@@ -301,6 +322,8 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
             minimum=0.0,
             maximum=1.0,
             size=peers,
+            meaning=Meaning.PEER_WEIGHT,
+            each="peer",
         ),
         Variable(
             name="peer_valid",
@@ -309,6 +332,8 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
             type="boolean",
             start=True,
             size=peers,
+            meaning=Meaning.PEER_VALID,
+            each="peer",
         ),
         Variable(
             name="peer_age",
@@ -318,6 +343,8 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
             start=0,
             minimum=0,
             size=peers,
+            meaning=Meaning.PEER_AGE,
+            each="peer",
         ),
     )
 
@@ -337,6 +364,7 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
                 "N",
                 2.5,
                 minimum=0.0,
+                meaning=Meaning.OWN_DEVICE,
             ),
             signal("joint_angle", "Measured joint angles of the device", "rad", size=2),
             signal(
@@ -348,7 +376,14 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
             ),
             signal("sample_age", "Ticks since the joint angles were measured", None),
             output("motor_torque", "Torques that render the force", "N.m", rendered, size=2),
-            output("position", "Tip position in the world", "m", FINGER_INPUTS, size=2),
+            output(
+                "position",
+                "Tip position in the world",
+                "m",
+                FINGER_INPUTS,
+                size=2,
+                meaning=(Meaning.FINGER_X, Meaning.FINGER_Y),
+            ),
             output("velocity", "Estimated tip velocity in the world", "m/s", FINGER_INPUTS, size=2),
             output("force", "Rendered force on the finger, world", "N", rendered, size=2),
             output(
@@ -360,6 +395,7 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
             *extra,
         ),
         count=FINGERS,
+        numbers="finger",
     )
 
 
@@ -368,14 +404,16 @@ def planar(
     description: str,
     units: tuple[str, str],
     depends_on: tuple[str, ...] = (),
+    *,
+    meaning: tuple[Meaning | None, Meaning | None, Meaning | None] = (None, None, None),
 ) -> Group:
     """A pose, velocity or wrench of the plane as an output group {x, y, theta}."""
     return Group(
         name,
         (
-            output("x", f"{description}, x", units[0], depends_on),
-            output("y", f"{description}, y", units[0], depends_on),
-            output("theta", f"{description}, about z", units[1], depends_on),
+            output("x", f"{description}, x", units[0], depends_on, meaning=meaning[0]),
+            output("y", f"{description}, y", units[0], depends_on, meaning=meaning[1]),
+            output("theta", f"{description}, about z", units[1], depends_on, meaning=meaning[2]),
         ),
     )
 
@@ -383,6 +421,7 @@ def planar(
 POSE = ("m", "rad")
 VELOCITY = ("m/s", "rad/s")
 WRENCH = ("N", "N.m")
+BOX_POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 
 _BOX = (
     ("box_x", "Box position x", "m"),
@@ -428,9 +467,9 @@ def packet_outputs(
         members += [output(*entry, content) for entry in _BOX]
     ages = tuple(dict.fromkeys((*content, "finger_*.sample_age")))
     members += [
-        output("source_tick", "Tick of the sender", None),
-        output("source_age", "Age of the content in ticks", None, ages),
-        output("status", _STATUS, None, ALL_FINGER_INPUTS),
+        output("source_tick", "Tick of the sender", None, meaning=Meaning.SOURCE_TICK),
+        output("source_age", "Age of the content in ticks", None, ages, meaning=Meaning.SOURCE_AGE),
+        output("status", _STATUS, None, ALL_FINGER_INPUTS, meaning=Meaning.SOURCE_STATUS),
     ]
     return tuple(members)
 
@@ -460,7 +499,7 @@ def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ..
         signal("source_age", "Age of the content in ticks when it was sent", None),
         signal("status", _STATUS, None),
     ]
-    return tuple(members)
+    return tuple(replace(member, meaning=Meaning.PEER_STATE) for member in members)
 
 
 def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variable, ...]:
@@ -473,6 +512,8 @@ def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variabl
                 f"Normal force of the {who}'s finger {number} on this box",
                 "N",
                 depends_on,
+                meaning=Meaning.NORMAL_FORCE,
+                finger=number,
             ),
             Variable(
                 name=f"finger_{number}_contact_state",
@@ -480,6 +521,8 @@ def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variabl
                 causality="output",
                 type="enumeration",
                 enumeration=CONTACT_STATE,
+                meaning=Meaning.CONTACT_STATE,
+                finger=number,
                 depends_on=depends_on,
             ),
             output(

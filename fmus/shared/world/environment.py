@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.shared.workstation.variables import (
+    BOX_POSE,
     CONTACT_STATE,
     FINGER_INPUTS,
     POSE,
@@ -225,7 +227,13 @@ def peer_parameters() -> tuple[Variable, ...]:
 def finger_contact_outputs() -> tuple[Variable, ...]:
     """What the contact machine says of an own finger."""
     return (
-        output("normal_force", "Normal force of the contact, before max_force", "N", FINGER_INPUTS),
+        output(
+            "normal_force",
+            "Normal force of the contact, before max_force",
+            "N",
+            FINGER_INPUTS,
+            meaning=Meaning.NORMAL_FORCE,
+        ),
         output(
             "tangential_force",
             "Tangential force of the contact, before max_force",
@@ -238,6 +246,7 @@ def finger_contact_outputs() -> tuple[Variable, ...]:
             causality="output",
             type="enumeration",
             enumeration=CONTACT_STATE,
+            meaning=Meaning.CONTACT_STATE,
             depends_on=FINGER_INPUTS,
         ),
         output(
@@ -254,7 +263,7 @@ def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[Variable | Group,
     """The box and the wrenches on it; ``peer_inputs`` are the inputs that carry the peers."""
     own = tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
     return (
-        planar("box_pose", "Pose of the box", POSE),
+        planar("box_pose", "Pose of the box", POSE, meaning=BOX_POSE),
         planar("box_velocity", "Velocity of the box", VELOCITY),
         planar("finger_wrench", "Wrench of the own fingers on the box", WRENCH, own),
         planar("wall_wrench", "Wrench of the walls on the box", WRENCH),
@@ -264,7 +273,12 @@ def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[Variable | Group,
             WRENCH,
             peer_inputs,
         ),
-        output("wall_penetration", "Depth of the deepest corner in a wall", "m"),
+        output(
+            "wall_penetration",
+            "Depth of the deepest corner in a wall",
+            "m",
+            meaning=Meaning.WALL_PENETRATION,
+        ),
         output("box_energy", "Kinetic energy of the box's motion as a whole", "J"),
         output(
             "node_position",

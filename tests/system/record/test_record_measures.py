@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
+from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
 from cosim.report.measures import SCENARIO_MEASURES, SETTLING
@@ -45,10 +47,38 @@ def signals() -> dict[str, np.ndarray]:
     return found
 
 
-def record(folder: Path, signals: dict[str, np.ndarray]) -> None:
+MEANINGS = {
+    "box_pose.x": Meaning.BOX_X,
+    "box_pose.y": Meaning.BOX_Y,
+    "box_pose.theta": Meaning.BOX_ANGLE,
+    "contact_state": Meaning.CONTACT_STATE,
+    "normal_force": Meaning.NORMAL_FORCE,
+    "wall_penetration": Meaning.WALL_PENETRATION,
+}
+
+
+def column(name: str, values: np.ndarray, shown: str) -> Column:
+    """A column called ``shown`` that means what ``name`` says to a reader of this file."""
+    variable = name.partition(".")[2]
+    (meaning,) = (meaning for end, meaning in MEANINGS.items() if variable.endswith(end))
+    peer, finger = (
+        next((int(n) for n in (1, 2, 3) if f"{what}_{n}" in variable), None)
+        for what in ("peer_contact", "finger")
+    )
+    return Column(
+        name=shown,
+        unit=None,
+        is_float=values.dtype == np.float64,
+        meaning=meaning,
+        belongs_to=Slot(peer, finger),
+    )
+
+
+def record(
+    folder: Path, signals: dict[str, np.ndarray], shown: dict[str, str] | None = None
+) -> None:
     columns = tuple(
-        Column(name=name, unit=None, is_float=values.dtype == np.float64)
-        for name, values in signals.items()
+        column(name, values, (shown or {}).get(name, name)) for name, values in signals.items()
     )
     cells = np.stack([values.view(np.int64) for values in signals.values()], axis=1)
     write(folder / "run.h5", (RecordGroup(name="control", period=1, columns=columns),), (cells,))
@@ -78,6 +108,44 @@ def test_the_measures_of_a_carried_box(tmp_path: Path, signals: dict[str, np.nda
     assert set(expected) == set(SCENARIO_MEASURES)
     for name, value in expected.items():
         assert measured(tmp_path, name) == pytest.approx(value, rel=1e-9), name
+
+
+def all_measures(folder: Path) -> dict[str, float | None]:
+    return {name: measured(folder, name) for name in SCENARIO_MEASURES}
+
+
+def test_what_signals_are_called_does_not_matter(
+    tmp_path: Path, signals: dict[str, np.ndarray]
+) -> None:
+    record(tmp_path / "ours", signals)
+    shown = {
+        name: f"{name.partition('.')[0]}.output_{number}" for number, name in enumerate(signals)
+    }
+    record(tmp_path / "theirs", signals, shown)
+    assert all_measures(tmp_path / "theirs") == all_measures(tmp_path / "ours")
+    # And a name alone means nothing: these are called like ours, but nobody says what they are.
+    columns = tuple(
+        Column(name=name, unit=None, is_float=values.dtype == np.float64)
+        for name, values in signals.items()
+    )
+    cells = np.stack([values.view(np.int64) for values in signals.values()], axis=1)
+    group = RecordGroup(name="control", period=1, columns=columns)
+    write(tmp_path / "foreign" / "run.h5", (group,), (cells,))
+    assert set(all_measures(tmp_path / "foreign").values()) == {None}
+
+
+def test_a_record_of_old_is_measured_by_its_names(
+    tmp_path: Path, signals: dict[str, np.ndarray]
+) -> None:
+    """Version 0.1.0 kept no meanings in the file."""
+    record(tmp_path / "new", signals)
+    record(tmp_path / "old", signals)
+    with h5py.File(tmp_path / "old" / "run.h5", "r+") as file:
+        del file.attrs["meanings"]
+        for name in signals:
+            for key in {"meaning", "peer", "finger"} & set(file["control"][name].attrs):
+                del file["control"][name].attrs[key]
+    assert all_measures(tmp_path / "old") == all_measures(tmp_path / "new")
 
 
 def test_a_window_bounds_every_measure(tmp_path: Path, signals: dict[str, np.ndarray]) -> None:
