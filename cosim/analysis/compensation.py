@@ -36,9 +36,10 @@ def load_tuned(
     Raises:
         InputError: as :func:`cosim.scenario.load`, or the theory cannot tell the compensation.
     """
-    from cosim.scenario import load
+    from cosim.scenario.load import read
 
-    scenario = load(path, overlays, sets)
+    written = read(path, overlays, sets)
+    scenario = written.built()
     wanted = {
         name: str(part.parameters["compensation"])
         for name, part in scenario.components.items()
@@ -68,7 +69,7 @@ def load_tuned(
         parameter = f"components.{name}.parameters.compensation"
         numbers.append(f"{parameter}=~")
         numbers += [f"{parameter}.{axis}={b_c!r}" for axis, b_c in found[choice].items()]
-    return load(path, overlays, [*sets, *numbers])
+    return written.changed(numbers).built()
 
 
 def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:

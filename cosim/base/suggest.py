@@ -10,18 +10,24 @@ def did_you_mean(word: str, names: Iterable[str], *, listed: int = 8) -> str:
 
     Empty where there is nothing to suggest. Begins with a space.
     """
-    from difflib import get_close_matches
-
     known = sorted(set(names) - {word})
     if not known:
         return ""
-    folded = {name.casefold(): name for name in known}
-    near = get_close_matches(word.casefold(), folded, n=1, cutoff=0.6)
+    near = nearest(word, known, 0.6)
     if near:
-        return f" Did you mean {folded[near[0]]}?"
+        return f" Did you mean {near}?"
     if len(known) <= listed:
         return f" There is {known[0]}." if len(known) == 1 else f" There are {_list(known)}."
     return ""
+
+
+def nearest(word: str, names: Iterable[str], alike: float) -> str:
+    """The name most like ``word``, letter case aside; empty if none is ``alike`` (0 to 1)."""
+    from difflib import get_close_matches
+
+    folded = {name.casefold(): name for name in names}
+    near = get_close_matches(word.casefold(), folded, n=1, cutoff=alike)
+    return folded[near[0]] if near else ""
 
 
 def _list(names: list[str]) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node, Scalar
+from cosim.base.text_file import read_text
 from cosim.base.yaml_quick import compose_quickly
 from cosim.base.yaml_sentence import sentence, without_value
 from cosim.base.yaml_tabs import tab_scanner
@@ -23,15 +24,7 @@ def read_yaml(path: Path, shown: str) -> Node:
     Raises:
         InputError: the file cannot be read or is not YAML that a scenario can use.
     """
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"not UTF-8 text (byte {error.start}); save the file as UTF-8.", Location(shown, 1, 1)
-        ) from None
-    except OSError as error:
-        raise InputError(f"cannot read {shown}: {error.strerror or error}.") from None
-    return parse_yaml(text, shown)
+    return parse_yaml(read_text(path, shown), shown)
 
 
 def parse_yaml(text: str, shown: str, *, has_lines: bool = True) -> Node:
@@ -107,7 +100,7 @@ class _Builder:
         if self._count > MAX_NODES:
             raise InputError(f"more than {MAX_NODES} values, counting aliases.", place)
         if id(node) in self._open:
-            raise InputError(f"the anchor &{node.anchor} contains itself.", place)
+            raise InputError(f"the anchor &{getattr(node, 'anchor', None)} contains itself.", place)
         self._open.add(id(node))
         try:
             return Node(self._value(node, place), place, key_place)

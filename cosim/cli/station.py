@@ -84,9 +84,9 @@ def command(
     Start the same scenario on every machine, each with its own --as. The stations compare what
     they are about to run, agree on a start, and each records its own side.
     """
+    from cosim.analysis import load_tuned
     from cosim.cli.support.devices import device_session, say
     from cosim.link.wire.transport import Address
-    from cosim.scenario import load
     from cosim.station.run import Arrangement, run_station
     from hil.realtime.paced_run import PacedRun
     from hil.realtime.system import clock_nanosleep
@@ -96,7 +96,7 @@ def command(
         signal.signal(number, signal.default_int_handler)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets)
     session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     console = Console() if sys.stderr.isatty() else None
     arrangement = Arrangement(

@@ -3,10 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 
 from cosim.base.garbage import without_collecting
+from cosim.base.node import Node
 from cosim.scenario.model import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A scenario as it is written, read and merged, before it is judged."""
+
+    file: Path
+    root: Node
+
+    def changed(self, sets: Sequence[str]) -> Written:
+        """The same with further overrides."""
+        from cosim.scenario.source.override import apply_override
+
+        root = self.root
+        for override in sets:
+            root = apply_override(root, override)
+        return Written(self.file, root)
+
+    def built(self) -> Scenario:
+        """The checked scenario.
+
+        Raises:
+            InputError: one or more (``InputErrors``) problems, each with its place.
+        """
+        from cosim.scenario.build.scenario import build
+
+        with without_collecting():
+            return build(self.root, self.file)
+
+
+def read(
+    path: str | PathLike[str],
+    overlays: Sequence[str | PathLike[str]] = (),
+    sets: Sequence[str] = (),
+) -> Written:
+    """Read a scenario's files, each once: a pipe cannot be read again.
+
+    ``path`` and ``overlays`` are found as files first and then by bundled name, with or without
+    ``scenarios/`` and ``.yaml``; ``-`` is standard input. ``sets`` are ``a.b=c`` overrides,
+    applied after the overlays.
+
+    Raises:
+        InputError: a file cannot be read, or an override leads nowhere.
+    """
+    from cosim.scenario.source.include import read_document
+    from cosim.scenario.source.merge import merge
+
+    with without_collecting():
+        file, root = read_document(path)
+        for overlay in overlays:
+            root = merge(root, read_document(overlay, is_overlay=True)[1])
+        return Written(file, root).changed(sets)
 
 
 def load(
@@ -14,23 +69,12 @@ def load(
     overlays: Sequence[str | PathLike[str]] = (),
     sets: Sequence[str] = (),
 ) -> Scenario:
-    """Read a scenario.
+    """Read and check a scenario; the arguments are those of ``read``.
 
-    ``path`` and ``overlays`` are found as files first and then by bundled name, with or without
-    ``scenarios/`` and ``.yaml``. ``sets`` are ``a.b=c`` overrides, applied after the overlays.
+    What has to be computed (``compensation: auto``) stays as it is written; see
+    ``cosim.analysis.load_tuned``.
 
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
     """
-    from cosim.scenario.build.scenario import build
-    from cosim.scenario.source.include import read_document
-    from cosim.scenario.source.merge import merge
-    from cosim.scenario.source.override import apply_override
-
-    with without_collecting():
-        file, root = read_document(path)
-        for overlay in overlays:
-            root = merge(root, read_document(overlay, is_overlay=True)[1])
-        for override in sets:
-            root = apply_override(root, override)
-        return build(root, file)
+    return read(path, overlays, sets).built()

@@ -49,6 +49,13 @@ def resolve_values(
         key=lambda variable: [int(i) for i in variable.name[len(name) + 1 : -1].split(",")],
     )
     if not parts:
+        members = [v.removeprefix(f"{name}.") for v in variables if v.startswith(f"{name}.")]
+        if members and isinstance(value, str):
+            raise InputError(
+                f"{component}.{name} is a group of numbers ({', '.join(members)}); a word in "
+                f"their place ({value}) is computed by cohaptic.load, and cosim.scenario.load "
+                "was used"
+            )
         known = [v.name.split("[")[0] for v in variables.values() if v.causality in allowed]
         raise InputError(
             f"{component} has no {_kind(allowed)} '{name}'."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 
 from cosim.base.errors import InputError, Location
@@ -10,7 +10,7 @@ from cosim.base.node import Node, PathKey
 from cosim.base.show import show
 from cosim.base.suggest import did_you_mean
 from cosim.base.yaml_reader import read_yaml
-from cosim.scenario.source.find import find_file, shown_name
+from cosim.scenario.source.find import bundled_folder, find_file, folder_of, shown_name
 from cosim.scenario.source.merge import merge, normalise
 
 LANGUAGE_VERSION = 1
@@ -27,6 +27,11 @@ def read_document(name: str | PathLike[str], *, is_overlay: bool = False) -> tup
         InputError: the file or a fragment cannot be used, or fragments include each other.
     """
     path = find_file(name)
+    if path.is_relative_to(bundled_folder() / "presets"):
+        raise InputError(
+            f"{fspath(name)} is a preset for a part of a scenario; write 'include: {path.stem}' in "
+            "the component or channel that is to have it."
+        )
     return path, _Includes().read(path, (), (), needs_version=not is_overlay)
 
 
@@ -55,7 +60,7 @@ class _Includes:
         if not isinstance(root.value, dict):
             raise InputError("a scenario file is a mapping, 'key: value' lines.", root.place)
         _check_version(root.value, root.place, needs_version)
-        return self.expand(root, at, (*stack, path.resolve()))
+        return self.expand(root, at, (*stack, _stacked(path)))
 
     def expand(self, node: Node, at: tuple[PathKey, ...], stack: tuple[Path, ...]) -> Node:
         """``node`` over what it includes; ``stack`` holds the files that led here."""
@@ -100,6 +105,13 @@ class _Includes:
             if key not in {"cohaptic", "title", "description"}
         }
         return Node(inner, fragment.place, fragment.key_place, fragment.removed)
+
+
+def _stacked(path: Path) -> Path:
+    """The file as one that includes others; a pipe's includes start from the working folder."""
+    shown = shown_name(path)
+    is_file = path.is_file()
+    return path.resolve() if is_file else folder_of(shown) / path.name
 
 
 def _check_version(members: dict[str, Node], place: Location, needed: bool) -> None:
