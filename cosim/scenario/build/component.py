@@ -42,13 +42,17 @@ def build_component(context: Context, name: str, form: ComponentForm) -> Compone
         feedthrough=feedthrough,
         parameters=form.parameters,
         start=form.start,
-        options=_options(form, name),
+        options=_options(context, form, name),
     )
 
 
-def _options(form: ComponentForm, name: str) -> dict[str, Any]:
+def _options(context: Context, form: ComponentForm, name: str) -> dict[str, Any]:
     if isinstance(form.device, DeviceForm):
-        return dict(form.device.model_extra or {})
+        settings = dict(form.device.model_extra or {})
+        if isinstance(settings.get("file"), str):
+            folder = context.folder(("components", name, "device", "file"))
+            settings["file"] = str((folder / Path(settings["file"]).expanduser()).absolute())
+        return settings
     return {"component": form.of or name} if form.playback is not None else {}
 
 

@@ -86,3 +86,23 @@ def test_a_resolved_scenario_does_not_depend_on_where_it_lies(
 def _write(file: Path, text: str) -> Path:
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def test_a_device_file_is_beside_the_file_that_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench, elsewhere = tmp_path / "bench", tmp_path / "elsewhere"
+    bench.mkdir()
+    elsewhere.mkdir()
+    device = "{device: {url: 'mock://', file: left.json}, rate: 1024}"
+    (bench / "overlay.yaml").write_text(f"components: {{left: {device}}}")
+    (tmp_path / "s.yaml").write_text(
+        "cohaptic: 1\nduration: 1\ncomponents:\n  left: {fmu: pantograph, rate: 1024}\n"
+    )
+    monkeypatch.chdir(elsewhere)
+    scenario = load("../s.yaml", ["../bench/overlay.yaml"])
+    assert scenario.components["left"].options["file"] == str(bench / "left.json")
+    (elsewhere / "again.yaml").write_text(to_yaml(scenario), encoding="utf-8")
+    assert load("again.yaml").components["left"].options["file"] == str(bench / "left.json")
+    given = load("../s.yaml", ["../bench/overlay.yaml"], ["components.left.device.file=b.json"])
+    assert given.components["left"].options["file"] == str(elsewhere / "b.json")
