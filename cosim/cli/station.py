@@ -85,6 +85,7 @@ def command(
     they are about to run, agree on a start, and each records its own side.
     """
     from cosim.analysis import load_tuned
+    from cosim.analysis.longest_delay import longest_delay
     from cosim.cli.support.devices import device_session, say
     from cosim.link.wire.transport import Address
     from cosim.station.run import Arrangement, run_station
@@ -107,6 +108,7 @@ def command(
         policy=policy,
         patience=wait,
         sleep=clock_nanosleep(),
+        theory=longest_delay,
     )
     with ended(console):
         finished = run_station(loaded, own, arrangement, say=say, out=out, figure=figure)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import lcm
 from pathlib import Path
 from typing import Any, Protocol
@@ -19,7 +19,7 @@ from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import ClockMode
+from cosim.link.stream.settings import LONGEST_DELAY, ClockMode
 from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
 from cosim.master.assembly.assemble import put_together
 from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
@@ -64,6 +64,20 @@ class Executor(Protocol):
         ...
 
 
+class LongestDelay(Protocol):
+    """What a scenario's theory says of the delay: stable up to ``samples`` each way."""
+
+    @property
+    def samples(self) -> int:
+        """Network samples; 0 where one is too many."""
+        ...
+
+    @property
+    def bounded(self) -> bool:
+        """Whether one more is unstable."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arrangement:
     """How a station reaches the others, and how its loop keeps time."""
@@ -77,6 +91,8 @@ class Arrangement:
     patience: float | None = None
     """Seconds to wait for the others; ``None``: as long as it takes."""
     sleep: Callable[[int], None] = sleep_until
+    theory: Callable[[Scenario], LongestDelay | None] = lambda _: None
+    """Asked where the scenario does not say how long the way may be; ``None``: it does not know."""
 
 
 def run_station(
@@ -106,6 +122,7 @@ def run_station(
         if key_file is not None:
             # Only to refuse a bad one now: the key itself is for the handshake process.
             read_key_file(key_file)
+    _bound_delays(half, scenario, arrangement.theory, say)
     for sentence in half.dropped:
         say(f"left out at {own}: {sentence}")
     tick = 1 / scenario.base_rate
@@ -170,6 +187,40 @@ def run_station(
         process.close()
         for link in sockets:
             link.close()
+
+
+def _bound_delays(
+    half: Half,
+    scenario: Scenario,
+    theory: Callable[[Scenario], LongestDelay | None],
+    say: Callable[[str], None],
+) -> None:
+    """Where the scenario does not say how long the way may be, ask its theory."""
+    open_ones = [p for p in half.peers if any(s.max_delay is None for s in p.settings)]
+    if not open_ones:
+        return
+    found = theory(scenario)
+    if found is None:
+        say(
+            f"the theory does not know this scenario's loop, so a way of up to {LONGEST_DELAY} "
+            "samples counts; say max_delay under link: to have another bound"
+        )
+        return
+    samples = max(1, found.samples)
+    if found.samples == 0:
+        say(
+            "the theory calls this loop unstable with one sample of delay each way; packets that "
+            "take longer do not count (max_delay: 1)"
+        )
+    elif found.bounded:
+        say(f"the theory allows {samples} samples of delay each way: longer ways do not count")
+    for peer in open_ones:
+        peer.settings = [
+            replace(setting, max_delay=max(samples, setting.delay or 1))
+            if setting.max_delay is None
+            else setting
+            for setting in peer.settings
+        ]
 
 
 def scenario_stations(half: Half) -> list[str]:

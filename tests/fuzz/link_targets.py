@@ -73,7 +73,7 @@ def data_values(data: bytes) -> None:
             echo_sent=echo_sent,
             echo_received=echo_received,
             epoch=epoch,
-            acknowledged=acknowledged,
+            acknowledged=(7, acknowledged),
             flags=flags & 0xFFFFFFFF,
         )
         receiver.accept(memoryview(bytes(writer.datagram)), now)

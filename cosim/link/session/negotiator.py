@@ -49,7 +49,7 @@ class SessionNegotiator:
         self.agreement.armed = False
         self._offered: dict[str, list[tuple[int, int]]] = {peer: [] for peer in self.peers}
         self._used: dict[str, int] = {}
-        self._measured: set[int] = set()
+        self._measured: dict[str, int] = {}
         self._refused: dict[str, int] = {}
         self._started = False
 
@@ -113,9 +113,9 @@ class SessionNegotiator:
         """Once a session: how long packets take to and from the peer."""
         current, clock = self.agreement.side(peer).current, self.agreement.clock(peer)
         known = clock.ready and clock.samples >= EXCHANGES
-        if current is None or not known or current.keys.session in self._measured:
+        if current is None or not known or self._measured.get(peer) == current.keys.session:
             return []
-        self._measured = {current.keys.session}
+        self._measured[peer] = current.keys.session
         return [PATH.pack(b"A", number, clock.round_trip, clock.incoming(0.9))]
 
 

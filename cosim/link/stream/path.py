@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
+from cosim.link.wire.packet import LOW_HALF
+
 WINDOW = 1_000_000_000
 """ns of which the lowest round trip counts: a lasting change is believed after one to two."""
 
@@ -47,16 +49,16 @@ class Acknowledgements:
 
     def begin(self, session: int) -> None:
         """Packets are sent under ``session`` from now on."""
-        self._sent[session] = deque(maxlen=self._capacity)
+        self._sent[session & LOW_HALF] = deque(maxlen=self._capacity)
         while len(self._sent) > 2:
             del self._sent[next(iter(self._sent))]
 
     def sent(self, session: int, sequence: int, tick: int) -> None:
         """A packet was sent."""
-        self._sent[session].append((sequence, tick))
+        self._sent[session & LOW_HALF].append((sequence, tick))
 
     def heard(self, session: int, sequence: int) -> None:
-        """The peer says that it has received ``sequence`` of ``session``.
+        """The peer says that it has received ``sequence`` of ``session`` (its low half).
 
         What was never sent, or longer ago than is remembered, says nothing.
         """

@@ -426,7 +426,7 @@ class PeerLink:
             echo_sent=self._echo[0],
             echo_received=self._echo[1],
             epoch=epoch,
-            acknowledged=self.incoming[stream].receiver.highest(session) if known else -1,
+            acknowledged=self.incoming[stream].receiver.newest if known else (0, -1),
             flags=flags,
         )
         if stream == 0:

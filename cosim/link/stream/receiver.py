@@ -133,7 +133,9 @@ class Receiver:
         self.peer_epoch = 0
         """Where the peer's clock (ns) has session tick 0 on the peer's present grid."""
         self.acknowledged = (0, -1)
-        """Session, and the highest own sequence there that the peer says it has received."""
+        """Session (its low half) and the highest own sequence there that the peer has received."""
+        self.newest = (0, -1)
+        """The latest session under which anything was received, and the highest sequence there."""
         self.held = False
         """Show nothing new: a peer that fades does so on the values that it was given up with."""
         self._admission = Admission(bundle)
@@ -151,6 +153,7 @@ class Receiver:
         """Session tick at which the first waiting packet is due."""
         self._inbound: dict[int, _Inbound] = {}
         self._offered = 0
+        self._newest_order = 0
         self._held_order = (0, -1)
         """Session's place and sequence of the held values."""
 
@@ -257,7 +260,10 @@ class Receiver:
             if sequence > window.highest:
                 return Fate.ABSURD
             return Fate.REPLAYED if window.highest - sequence >= WINDOW else Fate.DUPLICATE
-        sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, _ = opened
+        if inbound.order >= self._newest_order:
+            self._newest_order = inbound.order
+            self.newest = (header[5], window.highest)
+        sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, of = opened
         latest = max(sent, echo_sent, echo_received, epoch)
         earliest = min(sent, echo_sent, echo_received, epoch)
         if not 0 <= sampled <= LARGEST_TICK or latest > LARGEST_TIME or earliest < -LARGEST_TIME:
@@ -268,7 +274,7 @@ class Receiver:
         # how old it is cannot be known before the two grids are.
         self.last_times = (sent, echo_sent, echo_received)
         self.peer_epoch = epoch
-        self.acknowledged = (header[5], acknowledged)
+        self.acknowledged = (of, acknowledged)
         order = (inbound.order, sequence)
         if order < self._held_order:
             return Fate.REORDERED

@@ -22,7 +22,7 @@ VERSION = 2
 HEADER = struct.Struct("<2sBBHHQQ")
 """magic, version, kind, stream, zero, session, sequence."""
 BODY = struct.Struct("<qqqqqqII")
-"""tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, zero."""
+"""tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, its session (low half)."""
 NONCE = struct.Struct("<BBHQ")
 """kind, zero, stream, sequence."""
 TAG_SIZE = 16
@@ -31,6 +31,7 @@ SPARE = 8
 LARGEST_DATAGRAM = 1232
 LARGEST_TIME = 1 << 60
 """ns (36 years): a clock that shows more is not believed, and sums of four still fit 64 bits."""
+LOW_HALF = 0xFFFF_FFFF
 BODY_START = HEADER.size
 VALUES_START = HEADER.size + BODY.size
 
@@ -138,10 +139,12 @@ class DataWriter:
         echo_sent: int = 0,
         echo_received: int = 0,
         epoch: int = 0,
-        acknowledged: int = -1,
+        acknowledged: tuple[int, int] = (0, -1),
         flags: int = 0,
     ) -> int:
         """Complete the packet of ``tick`` (times in ns) and return its sequence.
+
+        ``acknowledged`` is a session of the other side and the highest sequence received under it.
 
         Raises:
             RuntimeError: there is no session yet.
@@ -149,9 +152,9 @@ class DataWriter:
         if self._sealer is None:
             message = "a packet cannot be sealed before the handshake"
             raise RuntimeError(message)
-        BODY.pack_into(
-            self._plain, 0, tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, 0
-        )
+        session, highest = acknowledged
+        facts = (tick, sent, echo_sent, echo_received, epoch, highest, flags, session & LOW_HALF)
+        BODY.pack_into(self._plain, 0, *facts)
         return self._sealer.seal(Kind.DATA, self._stream, self._plain, self.datagram)
 
 

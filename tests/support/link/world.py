@@ -161,12 +161,20 @@ class SimulatedStation:
 
 
 def share_session(
-    a: SimulatedStation, b: SimulatedStation, number: int = 0, *, same: bool = False
+    a: SimulatedStation,
+    b: SimulatedStation,
+    number: int = 0,
+    *,
+    same: bool = False,
+    later: bool = False,
 ) -> None:
-    """Give both ends the keys that their handshake would."""
-    for station, keys in zip((a, b), both_ends(names=(a.name, b.name), number=number), strict=True):
-        station.link.offer(keys, same=same)
-        station.link.use(keys.session)
+    """Give both ends the keys that their handshake would; with ``later`` only the first sends."""
+    ends = sorted((a, b), key=lambda station: station.name)
+    keys = both_ends(names=(ends[0].name, ends[1].name), number=number)
+    for station, mine in zip(ends, keys, strict=True):
+        station.link.offer(mine, same=same)
+        if station is a or not later:
+            station.link.use(mine.session)
 
 
 def run(network: Network, stations: list[SimulatedStation], until: int) -> None:

@@ -36,7 +36,7 @@ def example_datagram() -> bytes:
         echo_sent=998_000_000,
         echo_received=999_000_000,
         epoch=500,
-        acknowledged=41,
+        acknowledged=(0x1_00C0_FFEE, 41),
     )
     return bytes(writer.datagram)
 
@@ -62,7 +62,7 @@ def test_another_program_can_read_the_example() -> None:
         500,
         41,
         0,
-        0,
+        0xC0FFEE,
     )
     assert struct.unpack_from("<7d", body, 56) == (0.125, -0.25, 0.5, 0.0, 1024.0, 1.0, 11.0)
     assert body[56 + 7 * 8 :] == bytes(64)
@@ -83,10 +83,10 @@ def test_every_value_and_time_survives_the_way(values, tick, times, acknowledged
     writer.values[:] = values
     sent, echo_sent, echo_received = times
     writer.seal(
-        tick, sent, echo_sent=echo_sent, echo_received=echo_received, acknowledged=acknowledged
+        tick, sent, echo_sent=echo_sent, echo_received=echo_received, acknowledged=(7, acknowledged)
     )
     opened = reader.open(writer.datagram, 0)
-    assert opened == (tick, sent, echo_sent, echo_received, 0, acknowledged, 0, 0)
+    assert opened == (tick, sent, echo_sent, echo_received, 0, acknowledged, 0, 7)
     assert reader.values.tobytes() == writer.values.tobytes()
 
 

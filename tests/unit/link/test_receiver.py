@@ -252,7 +252,7 @@ def test_absurd_numbers_of_who_holds_the_key_are_counted(numbers, now) -> None:
         echo_sent=echo_sent,
         echo_received=echo_received,
         epoch=epoch,
-        acknowledged=acknowledged,
+        acknowledged=(7, acknowledged),
     )
     fate = pair.receiver.accept(pair.writer.datagram, now)
     assert pair.receiver.counts.sum() == 1
