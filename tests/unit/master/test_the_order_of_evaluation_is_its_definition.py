@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import random
 import time
-from pathlib import Path
 
 import pytest
 
 import cosim.master.assembly.plan as planning
-import scenarios
 from cosim.analysis import load_tuned
 from cosim.master.assembly.assemble import put_together
 from cosim.master.assembly.ordering import Atom, Graph, Stage, Unit, order
+from cosim.scenario.source.find import bundled_folder
 from tests.support.master.ordering_by_scanning import order_by_scanning
 
 GRAPHS = 12_000
-SCENARIOS = Path(scenarios.__file__).parent
+SCENARIOS = bundled_folder()
 BUNDLED = sorted(
     path.relative_to(SCENARIOS).with_suffix("").as_posix()
     for folder in (SCENARIOS, SCENARIOS / "thesis")
