@@ -61,9 +61,9 @@ def _copy(run: Run, copy: Path) -> None:
 
 
 def _copy_group(group: Group, layout: GroupLayout, file: FileIO) -> None:
-    for row, offsets in enumerate(layout.offsets):
+    readers = [group.ticks_of, *(signal.cells for signal in group.signals.values())]
+    for read, offsets in zip(readers, layout.offsets, strict=True):
         for segment, offset in enumerate(offsets.tolist()):
             first = segment * layout.segment
-            last = min(first + layout.segment, group.rows)
-            write_cells(file, offset, group.cells(row, first, last))
+            write_cells(file, offset, read(first, min(first + layout.segment, group.rows)))
     write_cells(file, layout.rows_offset, np.array([group.rows]))

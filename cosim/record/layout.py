@@ -7,21 +7,22 @@ and no HDF5 code runs while the loop runs. See docs/decisions/200-run-file.md.
 
 ::
 
-    /                 attributes: format, base_rate [numerator, denominator] in Hz, meanings (1:
-                      signals that mean something say so; missing in records of 0.1.0)
+    /                 attributes: format, base_rate [numerator, denominator] in Hz
     /<group>          one per rate; attributes: period (base ticks), rate [numerator, denominator]
     /<group>/rows     int64 scalar: the rows that are complete
     /<group>/tick     int64 (rows,): base tick of each row
-    /<group>/<signal> float64 or int64 (rows,); attributes: name, unit, causality, and where
-                      there are any: description, items (JSON, names of an enumeration),
-                      meaning (docs/fmus.md) with the peer and the finger that it is of
+    /<group>/signals  table: name, unit, type, causality, description, items (JSON, names of an
+                      enumeration), meaning (docs/fmus.md) with the peer and the finger that it is
+                      of (from 1, 0 for none), row
+    /<group>/float64  float64 (signals of that type, rows): row ``row`` holds a signal's values
+    /<group>/int64    int64 (signals of that type, rows)
 """
 
 from __future__ import annotations
 
 import errno
-import json
 import os
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -32,18 +33,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.recording import Column, RecordGroup
+from cosim.base.recording import RecordGroup
 from cosim.record.hdf5 import h5py
+from cosim.record.table import FLOATS, INTEGERS, dataset_of, write_table
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+"""Format 1 had a dataset for each signal; it is read, and no longer written."""
 HDF5_VERSION = "v110"
 """Oldest HDF5 library that reads the file: 1.10, for its small index of a dataset's chunks."""
 
 SEGMENT_ROWS = 65536
 MAX_SEGMENTS = 256
+SEGMENT_BYTES = 1 << 31
+"""Largest segment of a dataset; HDF5's own limit for a chunk is twice that."""
 FRAME_BYTES = 1 << 16
-COLUMN_FRAME_BYTES = 2048
-"""Bound on what HDF5 itself needs for one dataset with its attributes."""
+COLUMN_FRAME_BYTES = 512
+"""Bound on what HDF5 itself needs for one signal in the table, beside its texts."""
 CELL_BYTES = 8
 
 
@@ -51,8 +56,9 @@ CELL_BYTES = 8
 class GroupLayout:
     """Where a group's cells live in the file.
 
-    A column's rows are stored in segments of ``segment`` rows (HDF5 chunks); ``offsets`` has shape
-    (1 + columns, segments) and holds each segment's first byte, row 0 being the ticks'.
+    A column's rows are stored in segments of ``segment`` rows, side by side in an HDF5 chunk with
+    those of the other columns of its type; ``offsets`` has shape (1 + columns, segments) and holds
+    each segment's first byte, row 0 being the ticks'.
     ``rows_offset`` is the byte where the number of complete rows stands.
     """
 
@@ -65,11 +71,6 @@ class GroupLayout:
 def rows_in(ticks: int, period: int) -> int:
     """How many multiples of ``period`` there are in ticks 0 … ``ticks`` - 1."""
     return -(-ticks // period)
-
-
-def dataset_name(signal: str) -> str:
-    """The name of a signal's dataset; ``/`` would make a group, and an FMI name may contain it."""
-    return signal.replace("/", "\N{DIVISION SLASH}")
 
 
 def lay_out(
@@ -86,7 +87,6 @@ def lay_out(
     _try_for_space(path, groups, capacities)
     with h5py().File(path, "w", libver=(HDF5_VERSION, HDF5_VERSION)) as file:
         file.attrs["format"] = np.int64(FORMAT_VERSION)
-        file.attrs["meanings"] = np.int64(1)
         file.attrs["base_rate"] = np.array(base_rate.as_integer_ratio(), np.int64)
         return [
             _lay_out_group(file, group, base_rate, capacity)
@@ -108,7 +108,11 @@ def write_cells(file: FileIO, offset: int, cells: NDArray[np.int64]) -> None:
 
 def _try_for_space(path: Path, groups: Sequence[RecordGroup], capacities: Sequence[int]) -> None:
     """Let the system refuse here: HDF5 itself ends the process when it cannot write on closing."""
-    texts = sum(len(column.description) for group in groups for column in group.columns)
+    texts = sum(
+        len(column.name) + len(column.description) + sum(len(name) + 16 for _, name in column.items)
+        for group in groups
+        for column in group.columns
+    )
     frame = FRAME_BYTES + COLUMN_FRAME_BYTES * sum(len(group.columns) + 1 for group in groups)
     frame += 4 * texts
     data = sum(
@@ -126,7 +130,10 @@ def _try_for_space(path: Path, groups: Sequence[RecordGroup], capacities: Sequen
 def _lay_out_group(
     file: Any, group: RecordGroup, base_rate: Fraction, capacity: int
 ) -> GroupLayout:
-    segment = max(1, min(capacity, max(SEGMENT_ROWS, -(-capacity // MAX_SEGMENTS))))
+    counts = Counter(dataset_of(column) for column in group.columns)
+    widest = max([1, *counts.values()])
+    longest = min(max(SEGMENT_ROWS, -(-capacity // MAX_SEGMENTS)), SEGMENT_BYTES // 8 // widest)
+    segment = max(1, min(capacity, longest))
     segments = -(-capacity // segment)
 
     node = file.create_group(group.name, track_order=True)
@@ -138,40 +145,38 @@ def _lay_out_group(
     early.set_alloc_time(hdf.h5d.ALLOC_TIME_EARLY)
     scalar = hdf.h5s.create(hdf.h5s.SCALAR)
     rows = hdf.h5d.create(node.id, b"rows", hdf.h5t.STD_I64LE, scalar, early)
-    early.set_chunk((segment,))
     early.set_fill_time(hdf.h5d.FILL_TIME_NEVER)
-    space = hdf.h5s.create_simple((min(capacity, segment),), (hdf.h5s.UNLIMITED,))
+    write_table(node, group.columns)
 
-    def create(name: str, *, is_float: bool) -> Any:
-        cell = hdf.h5t.IEEE_F64LE if is_float else hdf.h5t.STD_I64LE
+    def create(name: str, *shape: int) -> Any:
+        cell = hdf.h5t.IEEE_F64LE if name == FLOATS else hdf.h5t.STD_I64LE
+        early.set_chunk((*shape, segment))
+        limits = (*shape, hdf.h5s.UNLIMITED)
+        space = hdf.h5s.create_simple((*shape, min(capacity, segment)), limits)
         return hdf.h5d.create(node.id, name.encode(), cell, space, early)
 
-    datasets = [create("tick", is_float=False)]
-    for column in group.columns:
-        datasets.append(create(dataset_name(column.name), is_float=column.is_float))
-        _describe(hdf.Dataset(datasets[-1]), column)
+    ticks = create("tick")
+    values = {name: create(name, counts[name]) for name in (FLOATS, INTEGERS) if counts[name]}
 
     # Segment by segment, so that what a short run leaves unused lies at the file's end.
-    offsets = np.empty((len(datasets), segments), np.int64)
+    offsets = np.empty((1 + len(group.columns), segments), np.int64)
     for index in range(segments):
-        for row, dataset in enumerate(datasets):
-            if index:
-                dataset.set_extent((min(capacity, (index + 1) * segment),))
-            offsets[row, index] = dataset.get_chunk_info_by_coord((index * segment,)).byte_offset
+        reached = min(capacity, (index + 1) * segment)
+        offsets[0, index] = _segment_of(ticks, (), index * segment, reached)
+        first = {
+            name: _segment_of(dataset, (counts[name],), index * segment, reached)
+            for name, dataset in values.items()
+        }
+        for number, column in enumerate(group.columns):
+            name = dataset_of(column)
+            offsets[number + 1, index] = first[name]
+            first[name] += segment * CELL_BYTES
     return GroupLayout(capacity, segment, offsets, rows.get_offset())
 
 
-def _describe(dataset: Any, column: Column) -> None:
-    dataset.attrs["name"] = column.name
-    dataset.attrs["unit"] = column.unit or ""
-    dataset.attrs["causality"] = column.causality
-    if column.description:
-        dataset.attrs["description"] = column.description
-    if column.items:
-        dataset.attrs["items"] = json.dumps({str(value): name for value, name in column.items})
-    if column.meaning is not None:
-        dataset.attrs["meaning"] = column.meaning.value
-        slot = column.belongs_to
-        for what, number in (("peer", slot.peer), ("finger", slot.finger)):
-            if number is not None:
-                dataset.attrs[what] = np.int64(number)
+def _segment_of(dataset: Any, shape: tuple[int, ...], first: int, reached: int) -> int:
+    """The byte where the segment begins whose first row is ``first``; the dataset grows to it."""
+    if first:
+        dataset.set_extent((*shape, reached))
+    place = (*(0 for _ in shape), first)
+    return int(dataset.get_chunk_info_by_coord(place).byte_offset)

@@ -19,13 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from cosim.base.meaning import NO_SLOT, Meaning, Slot
+from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
 from cosim.record.old_meaning import old_meaning
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
+from cosim.record.table import TABLE, read_table
 
 RUN_FILE = "run.h5"
 MANIFEST_FILE = "manifest.json"
@@ -34,6 +35,8 @@ SCENARIO_FILE = "scenario.resolved.yaml"
 Values = NDArray[np.float64] | NDArray[np.int64]
 
 BLOCK_ROWS = 65536
+READABLE = range(1, FORMAT_VERSION + 1)
+"""The formats of run.h5 that are read."""
 
 
 class Group:
@@ -56,11 +59,17 @@ class Group:
     @cached_property
     def signals(self) -> Mapping[str, Signal]:
         """The group's signals by name, in the order in which they were recorded."""
-        found = [
-            Signal(self, str(node.attrs["name"]), node)
-            for key, node in self._node.items()
-            if key not in {"rows", "tick"}
-        ]
+        if TABLE in self._node:
+            found = [
+                Signal(self, column, self._node[place], row)
+                for column, place, row in read_table(self._node)
+            ]
+        else:  # format 1: a dataset for each signal
+            found = [
+                Signal(self, _described(node), node, None)
+                for key, node in self._node.items()
+                if key not in {"rows", "tick"}
+            ]
         return MappingProxyType({signal.name: signal for signal in found})
 
     @property
@@ -77,12 +86,6 @@ class Group:
         """Time of every row (s), shape (rows,): the tick over the base rate, rounded once."""
         return self.run.seconds(self.ticks)
 
-    def cells(self, column: int, start: int, stop: int) -> NDArray[np.int64]:
-        """Raw cells of column ``column`` - 1, or of the ticks where ``column`` is 0."""
-        if column == 0:
-            return self.ticks_of(start, stop)
-        return list(self.signals.values())[column - 1][start:stop].view(np.int64)
-
     def first_row_at(self, tick: int) -> int:
         """The first row whose tick is ``tick`` or later; ``rows`` if there is none."""
         ticks = self._node["tick"]
@@ -98,62 +101,42 @@ class Group:
 class Signal:
     """One recorded variable: float64, or int64 for integers, booleans and enumerations."""
 
-    def __init__(self, group: Group, name: str, node: Any) -> None:
+    def __init__(self, group: Group, column: Column, dataset: Any, row: int | None) -> None:
         self.group = group
-        self.name = name
-        self._node = node
+        self.column = column
+        """What the master said about it when it was recorded."""
+        self._dataset = dataset
+        self._row = row
+
+    @property
+    def name(self) -> str:
+        """Component and variable."""
+        return self.column.name
 
     @property
     def unit(self) -> str:
         """The FMI unit string; empty where the variable has none."""
-        return str(self._node.attrs["unit"])
-
-    @cached_property
-    def column(self) -> Column:
-        """What the master said about it when it was recorded."""
-        attributes = self._node.attrs
-        items: dict[str, str] = json.loads(str(attributes.get("items", "{}")))
-        return Column(
-            name=self.name,
-            unit=self.unit or None,
-            is_float=self.is_float,
-            description=self.description,
-            causality=str(attributes["causality"]),
-            items=tuple((int(value), name) for value, name in items.items()),
-            meaning=self.meaning,
-            belongs_to=self.belongs_to,
-        )
+        return self.column.unit or ""
 
     @property
     def meaning(self) -> Meaning | None:
         """What the signal means to those that look for it."""
-        return self._meant[0]
+        return self.column.meaning
 
     @property
     def belongs_to(self) -> Slot:
         """The peer and the finger whose it is."""
-        return self._meant[1]
-
-    @cached_property
-    def _meant(self) -> tuple[Meaning | None, Slot]:
-        if not self.group.run.has_meanings:
-            return old_meaning(self.name)
-        attributes = self._node.attrs
-        known = attributes.get("meaning")
-        if known not in set(Meaning):
-            return None, NO_SLOT  # none, or one that a later version knows
-        numbers = {key: int(attributes[key]) for key in ("peer", "finger") if key in attributes}
-        return Meaning(known), Slot(**numbers)
+        return self.column.belongs_to
 
     @property
     def description(self) -> str:
         """What the component says about the variable."""
-        return str(self._node.attrs.get("description", ""))
+        return self.column.description
 
     @property
     def is_float(self) -> bool:
         """Whether the values are float64; otherwise they are int64."""
-        return self._node.dtype.kind == "f"
+        return self.column.is_float
 
     @property
     def values(self) -> Values:
@@ -163,7 +146,13 @@ class Signal:
     def __getitem__(self, rows: slice) -> Values:
         """Some rows; only those are read."""
         start, stop, step = rows.indices(self.group.rows)
-        return cast("Values", self._node[start:stop:step])
+        place = slice(start, stop, step)
+        found = self._dataset[place if self._row is None else (self._row, place)]
+        return cast("Values", found)
+
+    def cells(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Rows ``start`` to ``stop`` as raw cells: an int64, or the bits of a float64."""
+        return self[start:stop].view(np.int64)
 
     def blocks(self, start: int = 0, stop: int | None = None) -> Iterator[Values]:
         """The values of rows ``start`` to ``stop``, piece by piece."""
@@ -178,6 +167,24 @@ class Signal:
         return statistics.summary(0)
 
 
+def _described(dataset: Any) -> Column:
+    """What a dataset of format 1 says about its signal."""
+    attributes = dataset.attrs
+    name = str(attributes["name"])
+    items: dict[str, str] = json.loads(str(attributes.get("items", "{}")))
+    meaning, slot = old_meaning(name)
+    return Column(
+        name=name,
+        unit=str(attributes["unit"]) or None,
+        is_float=dataset.dtype.kind == "f",
+        description=str(attributes.get("description", "")),
+        causality=str(attributes["causality"]),
+        items=tuple((int(value), item) for value, item in items.items()),
+        meaning=meaning,
+        belongs_to=slot,
+    )
+
+
 class Run:
     """A run folder that is open for reading; a context manager."""
 
@@ -189,8 +196,6 @@ class Run:
         numerator, denominator = (int(part) for part in file.attrs["base_rate"])
         self.base_rate = Fraction(numerator, denominator)
         """Base ticks a second (Hz)."""
-        self.has_meanings = "meanings" in file.attrs
-        """Whether signals say what they mean; a record of 0.1.0 does not."""
         self.groups: Mapping[str, Group] = MappingProxyType(
             {name: Group(self, name, node) for name, node in file.items()}
         )
@@ -263,10 +268,10 @@ def open_run(path: str | Path) -> Run:
     except OSError as error:
         raise InputError(f"{target}: not a readable HDF5 file ({error}).") from error
     found = file.attrs.get("format")
-    if found != FORMAT_VERSION or "base_rate" not in file.attrs:
+    if found not in READABLE or "base_rate" not in file.attrs:
         file.close()
         what = "it is not a run record" if found is None else f"its format is {found}"
-        raise InputError(f"{target}: {what}; this version reads format {FORMAT_VERSION}.")
+        raise InputError(f"{target}: {what}; this version reads formats 1 to {FORMAT_VERSION}.")
     return Run(folder, file, read_manifest(folder))
 
 

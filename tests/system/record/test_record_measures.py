@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 
@@ -14,6 +13,7 @@ from cosim.record import open_run
 from cosim.report.measures import SCENARIO_MEASURES, SETTLING
 from cosim.report.overview import draw_overview
 from cosim.report.platform import find_platform
+from tests.support.record.format_1 import write_format_1
 from tests.support.record.synthetic_run import write
 
 RATE, SECONDS = 1024, 4
@@ -139,12 +139,12 @@ def test_a_record_of_old_is_measured_by_its_names(
 ) -> None:
     """Version 0.1.0 kept no meanings in the file."""
     record(tmp_path / "new", signals)
-    record(tmp_path / "old", signals)
-    with h5py.File(tmp_path / "old" / "run.h5", "r+") as file:
-        del file.attrs["meanings"]
-        for name in signals:
-            for key in {"meaning", "peer", "finger"} & set(file["control"][name].attrs):
-                del file["control"][name].attrs[key]
+    with open_run(tmp_path / "new") as run:
+        recorded = run.groups["control"].signals.values()
+        columns = tuple(signal.column for signal in recorded)
+        cells = np.stack([signal.values.view(np.int64) for signal in recorded], axis=1)
+        group = RecordGroup(name="control", period=1, columns=columns)
+        write_format_1(tmp_path / "old", group, cells, run.base_rate)
     assert all_measures(tmp_path / "old") == all_measures(tmp_path / "new")
 
 

@@ -85,7 +85,7 @@ def test_a_killed_process_leaves_a_readable_file(ending: signal.Signals, tmp_pat
     rows = check_prefix(tmp_path, at_least=20_000 - writer.BLOCKS * writer.BLOCK_ROWS[1])
     with h5py.File(path) as file:  # nothing to repair first, for readers that are not ours
         assert file["control/rows"][()] == rows
-        assert (file["control/c.x[3]"][:rows] == np.arange(rows) * COLUMNS + 3).all()
+        assert (file["control/int64"][3, :rows] == np.arange(rows) * COLUMNS + 3).all()
 
 
 def test_a_run_can_be_read_while_it_goes_on(tmp_path: Path) -> None:
