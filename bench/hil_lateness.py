@@ -27,11 +27,11 @@ from host import Host, compare, verdict
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim.master.run.pacing import DeadlinePacer
+from cosim.base.grants import clock_nanosleep, prepare_loop
+from cosim.realtime.pacing import DeadlinePacer
 from hil.device.component import REST_TICKS
 from hil.device.contract import ZERO
 from hil.device.device import Device
-from hil.realtime.system import clock_nanosleep, prepare_loop
 from tests.support.hil.driver_bench import Bench
 from tests.support.hil.hil_bench import Puppet, mock
 
@@ -99,10 +99,10 @@ def loop(device: Device | None, seconds: float) -> dict[str, Any]:
 
 def answering(device: Device) -> select.poll | None:
     """A poll on the port of a device that answers every command."""
-    if device.driver not in {"haply", "cobs"}:
+    if device.driver.driver not in {"haply", "cobs"}:
         return None
     poll = select.poll()
-    poll.register(device._port._descriptor, select.POLLIN)  # type: ignore[attr-defined]
+    poll.register(device.driver._port._descriptor, select.POLLIN)  # type: ignore[attr-defined]
     return poll
 
 

@@ -13,7 +13,7 @@ from cosim.cli.device_emulate import emulate_device
 
 if TYPE_CHECKING:
     from hil.device.device import Device
-    from hil.realtime.session import Session
+    from hil.setup.session import Session
 
 _FILE = click.option(
     "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
@@ -97,20 +97,22 @@ def check_device(
     from dataclasses import asdict
 
     from cosim.base.errors import InputError
+    from hil.device.warnings import warnings_of
     from hil.setup.device_file import add_watchdog_proof
     from hil.setup.look import check
+    from hil.setup.watchdog_proof import prove_watchdog
 
     if enable_output and file is None:
         raise InputError("--enable-output notes the proof in the device file: give --file FILE")
     with _opened(url, file) as device:
-        for warning in device.warnings():
+        for warning in warnings_of(device):
             click.echo(warning, err=True)
         click.echo(f"Move the handle of {device.name}; it gets zero torque.", err=True)
         seen = check(device, seconds, None if as_json else _show)
         proof = None
         if enable_output and seen.fault is None and file is not None:
             device.permission = _session(yes=yes).permission(device)
-            proof = device.prove_watchdog()
+            proof = prove_watchdog(device)
             add_watchdog_proof(file, proof)
     if as_json:
         proved = None if proof is None else asdict(proof)
@@ -181,7 +183,7 @@ def calibrate_device(
         signs = (1, 1) if yes else directions(device, _ask)
         document: dict[str, Any] = {
             "cohaptic_device": 1,
-            "driver": device.driver,
+            "driver": device.driver.driver,
             "preset": device.file.preset,
             "date": datetime.now(UTC).date().isoformat(),
             "home": list(home),
@@ -199,20 +201,21 @@ def calibrate_device(
 
 
 def _opened(url: str, file: Path | None) -> Device:
+    from hil.device.device import Device
     from hil.setup.address import parse
     from hil.setup.device_file import default, load
     from hil.setup.registry import find
 
     address = parse(url)
     kind = find(address.driver)
-    device = kind(address, load(file) if file is not None else default(kind.driver))
+    device = Device(kind, address, load(file) if file is not None else default(kind.driver))
     device.configure()
     return device
 
 
 def _session(*, yes: bool) -> Session:
     """Output was asked for; a person at a terminal is asked back."""
-    from hil.realtime.session import Session
+    from hil.setup.session import Session
 
     def prompt(text: str) -> str:
         click.echo(text, err=True, nl=False)

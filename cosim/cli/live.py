@@ -15,7 +15,7 @@ import click
 from cosim.base.errors import InputError
 
 if TYPE_CHECKING:
-    from hil.realtime.watcher import Watcher
+    from cosim.realtime.watcher import Watcher
 
 USUAL = ("*.normal_force", "*.box_pose.x", "*.box_pose.y", "*.position*", "*.joint_angle*")
 MOST = 4
@@ -43,7 +43,7 @@ def command(
     Without RUN, the newest 'cohaptic run --realtime' or 'cohaptic station' of this machine. It
     reads shared memory: the run is not slowed down, and what comes too fast is lost and counted.
     """
-    from hil.realtime.watcher import Watcher, find_feed
+    from cosim.realtime.watcher import Watcher, find_feed
 
     with Watcher(find_feed(run)) as watcher:
         if as_json:

@@ -15,8 +15,8 @@ from cosim.cli.support.devices import output_options
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Progress
+    from cosim.realtime.paced_run import PacedRun
     from cosim.scenario import Scenario
-    from hil.realtime.paced_run import PacedRun
 
 
 @click.command("run")
@@ -84,8 +84,8 @@ def command(
     )
     console = Console() if sys.stderr.isatty() and paced is not None else None
     if paced is not None:
-        from cosim.master.run.pacing import DeadlinePacer
-        from hil.realtime.system import clock_nanosleep
+        from cosim.base.grants import clock_nanosleep
+        from cosim.realtime.pacing import DeadlinePacer
 
         tick = 1 / loaded.base_rate
         paced.cpu = cpu
@@ -119,12 +119,12 @@ def _devices(
         return None
     from cosim.cli.support.devices import device_session, say
 
-    session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
+    device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     if not realtime:
         return None
-    from hil.realtime.paced_run import PacedRun
+    from cosim.realtime.paced_run import PacedRun
 
-    return PacedRun(session, say=say)
+    return PacedRun(say=say)
 
 
 @contextmanager

@@ -86,11 +86,11 @@ def command(
     """
     from cosim.analysis import load_tuned
     from cosim.analysis.longest_delay import longest_delay
+    from cosim.base.grants import clock_nanosleep
     from cosim.cli.support.devices import device_session, say
     from cosim.link.wire.transport import Address
+    from cosim.realtime.paced_run import PacedRun
     from cosim.station.run import Arrangement, run_station
-    from hil.realtime.paced_run import PacedRun
-    from hil.realtime.system import clock_nanosleep
 
     # A service manager's SIGTERM stops in order, too: the peer is told, the record is closed.
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -98,13 +98,13 @@ def command(
     if duration is not None:
         sets = (*sets, f"duration={duration}")
     loaded = load_tuned(scenario, overlays, sets)
-    session = device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
+    device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     console = Console() if sys.stderr.isatty() else None
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
         key_files={name: Path(file) for name, file in _by_station(keys, "--key").items()},
-        execute=PacedRun(session, cpu=cpu, real_time=realtime, say=say, console=console),
+        execute=PacedRun(cpu=cpu, real_time=realtime, say=say, console=console),
         policy=policy,
         patience=wait,
         sleep=clock_nanosleep(),

@@ -17,8 +17,8 @@ from typing import Any
 
 from cosim.link.session.client import HandshakeProcess
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.master.run.deadlines import Deadlines
-from cosim.master.run.pacing import DeadlinePacer, Work
+from cosim.realtime.deadlines import Deadlines
+from cosim.realtime.pacing import DeadlinePacer, Work
 
 CATCH_UP = 0.4
 """Share of a period by which ticks come sooner after one another until a miss is made up."""

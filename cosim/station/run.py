@@ -22,8 +22,8 @@ from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LONGEST_DELAY, ClockMode
 from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
 from cosim.master.assembly.assemble import put_together
-from cosim.master.run.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.master.run.simulation import Progress, Simulation
+from cosim.realtime.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.record.playback import KINDS
 from cosim.record.writer import Recorder
 from cosim.run import Finished, run_scenario

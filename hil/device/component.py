@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -13,13 +14,16 @@ from typing import Any
 from cosim.base.component import Cells, Component, Role, Setup, Variable
 from cosim.base.errors import InputError, Location
 from cosim.base.form import plain_node, read_form
+from cosim.base.supervised import Opening
 from hil.device.contract import Flag, Measurement, State
-from hil.device.device import Device
+from hil.device.device import CAUSES, STATES, Device
+from hil.device.driver import Driver
 from hil.device.pantograph import terminals, variables
+from hil.device.warnings import warnings_of
 from hil.emulation.side_channel import Control
-from hil.realtime import session as sessions
 from hil.safety.form import SafetyForm
 from hil.safety.limits import SPEED_WINDOW_TICKS
+from hil.setup import session as sessions
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
 from hil.setup.options import check_options
@@ -40,7 +44,7 @@ class DeviceComponent(Component):
 
     def __init__(
         self,
-        kind: type[Device],
+        kind: type[Driver],
         url: str,
         options: Mapping[str, Any],
         safety: Mapping[str, Any] | None = None,
@@ -55,6 +59,8 @@ class DeviceComponent(Component):
         self.safety = read_form(SafetyForm, plain_node(safety or {}, place), "'safety'").given()
         self.file = replace(file, limits=file.limits.tightened(self.safety))
         self.device: Device | None = None
+        self._owner = 0
+        """The process that opened the device; it alone closes the port."""
         self.flags = Flag.NONE
 
     @property
@@ -98,48 +104,70 @@ class DeviceComponent(Component):
         for variable in variables():
             if variable.causality == "output" and variable.role is Role.SIMULATION_ONLY:
                 outputs[variable.name][...] = nan if variable.type.is_float else 0
-        session = sessions.current()
-        control = Fraction(*setup.tick) * setup.period
-        device = session.ready.get(setup.name) or self.open(
-            control, session, _changed(setup.parameters)
-        )
-        self.device = device
-        if device not in session.devices:
-            session.devices.append(device)
-        if session.clock is None and not (device.in_process or device.lockstep):
-            raise InputError(
-                f"{setup.name} is a real device ({device.name}): run it with --realtime"
-            )
+        if self.device is None:
+            if not (self.kind.in_process or self.lockstep):
+                raise InputError(
+                    f"{setup.name} is a real device ({self.address.url}): run it with --realtime"
+                )
+            control = Fraction(*setup.tick) * setup.period
+            self.open(Opening(name=setup.name, number=0, tick=control, parameters=setup.parameters))
+        device = self._opened()
         observe_rest(device)
         self._started = False
         self._show(device.read(-1))
         self._applied[...] = 0.0
 
-    def open(
-        self, control: Fraction, session: sessions.Session, parameters: Mapping[str, Any]
-    ) -> Device:
+    @property
+    def states(self) -> Sequence[str]:
+        """Names of the states of a device's life."""
+        return STATES
+
+    @property
+    def causes(self) -> Sequence[str]:
+        """Names of what can end in FAULT."""
+        return CAUSES
+
+    @property
+    def shares_port(self) -> bool:
+        """Whether other processes can go on with its open port."""
+        return self.kind.shares_port
+
+    def ask(self) -> None:
+        """Ask what has to be asked before the device is opened where nobody can be."""
+        sessions.current().ask_ahead(self._made(None))
+
+    def open(self, opening: Opening) -> Device:
         """Configure and home the device: all that needs a person, a thread or the time to wait."""
-        device = self.kind(
-            self.address,
-            self.file,
-            tick=control,
-            pulse=session.pulse,
-            # In lock-step time is counted in exchanges.
-            clock=None if self.lockstep else session.clock,
-        )
-        device.parameters = dict(parameters)
-        device.number = session.number
+        session = sessions.current()
+        device = self._made(opening)
         device.configure()
         try:
             device.permission = session.permission(device)
-            for warning in device.warnings():
+            for warning in warnings_of(device):
                 session.tell(warning)
             session.hold_home_pose(device)
             device.home()
         except BaseException:
             device.close()
             raise
+        self.device, self._owner = device, os.getpid()
         return device
+
+    def _made(self, opening: Opening | None) -> Device:
+        if opening is None:
+            return Device(self.kind, self.address, self.file)
+        return Device(
+            self.kind,
+            self.address,
+            self.file,
+            tick=opening.tick,
+            pulse=opening.pulse,
+            # In lock-step time is counted in exchanges.
+            clock=None if self.lockstep else opening.clock,
+            number=opening.number,
+            parameters=_changed(opening.parameters),
+            alarm=sessions.current().alarm,
+        )
 
     def read(self, tick: int) -> None:
         """Take the measurement; at the first tick the device becomes active.
@@ -176,16 +204,21 @@ class DeviceComponent(Component):
         device.raise_fault()
 
     def close(self) -> None:
-        """Zero the device and let go of it."""
-        if self.device is not None:
+        """Zero the device; let go of it where it was opened here, and nobody else has it."""
+        if self.device is None:
+            return
+        if self._owner == os.getpid():
             self.device.close()
+            self.device = None
+        else:
+            self.device.settle_down()
 
     def _opened(self) -> Device:
         assert self.device is not None, "initialise comes first"
         return self.device
 
 
-def device_file(kind: type[Device], options: Mapping[str, Any]) -> DeviceFile:
+def device_file(kind: type[Driver], options: Mapping[str, Any]) -> DeviceFile:
     """The device file that a scenario's options name, or the maker's defaults.
 
     Raises:
@@ -210,7 +243,7 @@ def observe_rest(device: Device) -> None:
         device.write(tick, (0.0, 0.0))
         if device.state is State.FAULT and device.settled:
             break
-        device.pause()
+        device.driver.pause()
     device.raise_fault()
 
 

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntFlag, StrEnum
+from typing import TYPE_CHECKING
 
 from hil.safety.linkage import Pair
+
+if TYPE_CHECKING:
+    from hil.device.errors import DeviceError
 
 ZERO: Pair = (0.0, 0.0)
 
@@ -57,15 +61,23 @@ class Cause(StrEnum):
     PORT = "port"
     PROTOCOL = "protocol"
     BOARD = "board"
+    RESTARTED = "restarted"
     FIRST_COMMAND = "first command"
     SUPERVISOR = "supervisor"
-    STOPPED = "stopped"
+    SIBLING = "another device"
     DEAD_MAN = "dead man"
 
     @property
     def unhomes(self) -> bool:
         """Whether the joint angles can no longer be trusted afterwards."""
-        return self in {Cause.MEASUREMENT, Cause.JUMP, Cause.PORT, Cause.PROTOCOL, Cause.STALE}
+        return self in {
+            Cause.MEASUREMENT,
+            Cause.JUMP,
+            Cause.PORT,
+            Cause.PROTOCOL,
+            Cause.RESTARTED,
+            Cause.STALE,
+        }
 
     @property
     def is_motion(self) -> bool:
@@ -92,8 +104,30 @@ class Sample:
     shaft_angle: Pair
     count: tuple[int, int]
     sequence: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Received:
+    """What ``Driver.receive`` returns: the newest valid sample, and what the board says of itself.
+
+    Every field is judged by the device; a driver only reports.
+    """
+
+    sample: Sample | None = None
+    zero_confirmed: bool = False
+    """An answer says that the torque is zero, and nothing but zero was sent since it was asked."""
+    watchdog_fired: bool = False
+    enabled: bool | None = None
+    """Whether the output stage is on; ``None`` where nothing came that tells."""
+    input_held: bool | None = None
+    """Whether the switch on the board is closed; ``None`` where nothing came that tells."""
     device_time: float | None = None
-    """The device's own clock (s), where it has one."""
+    """The board's own clock (s) as the sample was taken, where it has one."""
+    error: DeviceError | None = None
+    """What is wrong with the board or its bus, where something is."""
+
+
+NOTHING = Received()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

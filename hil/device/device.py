@@ -1,166 +1,531 @@
-"""A device: two calls a tick, and the only way to its motors.
+"""A device: two calls a tick, one order of calls around them, and the only way to its motors.
 
-What stands in one file each: the driver's hooks (``hil.device.driver``), FAULT
-(``hil.device.fault_latch``), the heir of a dead loop (``hil.realtime.after_death``), samples
-(``hil.device.measuring``), the lifecycle (``hil.device.lifecycle``), the watchdog's proof
-(``hil.setup.watchdog_proof``); here the exchange of every tick, which nothing goes around.
+It has a driver, which speaks the protocol; a safety layer, which limits every torque; a clock of
+its samples; a judge of what the board says; and a latch for FAULT. None of them is replaced or
+derived from. UNCONFIGURED -> configure -> INACTIVE -> home -> activate -> ACTIVE -> deactivate ->
+INACTIVE -> close -> UNCONFIGURED; any error -> FAULT, latched until ``reset``, which un-homes and
+closes.
 """
 
 from __future__ import annotations
 
-from typing import Any, final
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any, Self, final
 
+from cosim.base.errors import InputError
+from cosim.base.pulse import Pulse
+from cosim.base.supervised import DeviceCells
+from hil.device.alarm import Alarm
 from hil.device.contract import (
-    CUT_POWER,
     ZERO,
     Cause,
     Flag,
     Measurement,
+    Outcome,
     Sent,
     State,
     Status,
+    Watchdog,
 )
-from hil.safety.layer import Trip
+from hil.device.driver import Driver
+from hil.device.errors import ActivationRefused, DeviceError, DeviceFault, LifecycleError
+from hil.device.fault_latch import SETTLE_TICKS, FaultLatch
+from hil.device.judge import Judge
+from hil.device.sample_clock import SampleClock
+from hil.safety.layer import SafetyLayer, Trip
 from hil.safety.limits import DROP_TICKS, LATE_SECONDS
 from hil.safety.linkage import Pair
-from hil.setup.watchdog_proof import WatchdogProving
+from hil.safety.permission import Permission
+from hil.safety.safeguards import check_safeguards
+from hil.setup.address import Address
+from hil.setup.device_file import DeviceFile
+
+LONGEST_NATIVE_PERIOD = 2
+"""A device that shows new samples less often than every so many ticks is refused."""
+STATES, CAUSES = tuple(State), tuple(Cause)
+FIRST_SAMPLE_TRIES = 50
+"""Exchanges within which a device has to answer for the first time."""
 
 
-class Device(WatchdogProving):
-    """Base of every driver: derive from it, fill in the hooks of ``hil.device.driver.Driver``."""
+@final
+class Device:
+    """One device with a driver of ``kind``.
 
-    stop_requested: bool = False
-    sent: Pair = ZERO
-    """The torque of the last write (N.m), for whoever watches."""
-    sent_flags: Flag = Flag.NONE
-    _reads: int = 0
+    ``tick`` is the control period (s). ``permission`` lets torque out; without one the output is
+    dry. ``clock`` gives host seconds for the lateness rule; ``None`` (lock-step) counts ticks
+    instead. ``pulse``, ``number`` and ``parameters`` are the driver's; the devices of one run share
+    an ``alarm``.
+    """
 
-    @classmethod
-    @final
-    def component(cls, url: str, options: dict[str, Any], safety: dict[str, Any]) -> Any:
-        """The component that a scenario's ``device: URL`` stands for (entry point contract).
+    def __init__(
+        self,
+        kind: type[Driver],
+        address: Address,
+        file: DeviceFile,
+        *,
+        tick: Fraction = Fraction(1, 1024),
+        permission: Permission | None = None,
+        pulse: Pulse | None = None,
+        clock: Callable[[], float] | None = None,
+        number: int = 0,
+        parameters: Mapping[str, Any] | None = None,
+        alarm: Alarm | None = None,
+    ) -> None:
+        self.driver = kind(
+            address, file, tick=tick, pulse=pulse, number=number, parameters=parameters
+        )
+        self.address, self.file = address, file
+        self.tick = self.driver.tick
+        self.permission = permission
+        self.safety = SafetyLayer(
+            file.limits,
+            file.linkage,
+            tick=self.tick,
+            quantum=file.quantum,
+            region=file.region,
+        )
+        self.state = State.UNCONFIGURED
+        self.homed = False
+        self.input_held = False
+        """Whether the switch on the board was closed in its newest answer."""
+        self.sent: Pair = ZERO
+        """The torque that was last put on the wire (N.m)."""
+        self.sent_flags = Flag.NONE
+        self._latch = FaultLatch()
+        self._alarm = alarm or Alarm()
+        self._judge = Judge()
+        self._samples = SampleClock(file)
+        self._clock = clock
+        self._reads = 0
+        self._zeros = 0
+        """Answers so far that confirmed zero."""
+        self._written: float | None = None
+        """Host time (s) of the last write while ACTIVE."""
 
-        ``safety`` are limits that the scenario puts on every device: the tighter ones hold.
-        """
-        from hil.device.component import DeviceComponent  # it needs Device itself
+    # --- every tick ------------------------------------------------------------------------------
 
-        return DeviceComponent(cls, url, options, safety)
-
-    @final
     def read(self, tick: int) -> Measurement:
         """This tick's measurement, or the last one with its age. Never raises on the wire."""
         self._expect("read", State.INACTIVE, State.ACTIVE, State.FAULT)
         self._reads += 1
-        fresh = self._take()
-        self._age = 0 if fresh else self._age + 1
-        angle = self._joint_angle()
-        if self.state is not State.FAULT and (self._sample is not None or self._age >= DROP_TICKS):
-            known = angle if self._sample is not None else ZERO
-            trip = self.safety.observe(self._reads, known, self._age, homed=self.homed)
+        samples = self._samples
+        samples.tick(fresh=self._take())
+        angle, sample = samples.joint_angle(), samples.sample
+        if self.state is not State.FAULT and (sample is not None or samples.age >= DROP_TICKS):
+            known = angle if sample is not None else ZERO
+            trip = self.safety.observe(self._reads, known, samples.age, homed=self.homed)
             if trip is not None:
                 self._trip(trip)
-        sample = self._sample
         return Measurement(
             joint_angle=angle,
             count=sample.count if sample else (0, 0),
             sequence=sample.sequence if sample else -1,
-            sample_age=self._age,
+            sample_age=samples.age,
             status=self.status,
-            device_time=sample.device_time if sample else None,
+            device_time=samples.device_time,
             host_time=self._clock() if self._clock else tick * self.tick,
         )
 
-    @final
     def write(self, tick: int, command: Pair) -> Sent:
         """Send what the safety layer leaves of a torque command (N.m). Never raises on the wire."""
-        sent = self._write_limited(tick, command)
-        self.sent, self.sent_flags = sent.torque, sent.flags
-        return sent
-
-    @final
-    def _write_limited(self, tick: int, command: Pair) -> Sent:
         self._expect("write", State.INACTIVE, State.ACTIVE, State.FAULT)
+        limited, flags = ZERO, Flag.NONE
         if self.state is State.ACTIVE:
-            self._check_time()
+            limited, flags = self._write_active(tick, command)
         if self.state is not State.ACTIVE:
-            return self._write_zero(ZERO, Flag.NONE)
-        if self.stop_requested:
-            self._trip(Trip(Cause.STOPPED, "the run was asked to stop"))
-            return self._write_zero(ZERO, Flag.NONE)
-        if self._is_let_go():
-            self._trip(Trip(Cause.DEAD_MAN, "the dead-man input was released"))
-            return self._write_zero(ZERO, Flag.NONE)
+            flags |= self._write_zero()
+        self.sent_flags = flags
+        return Sent(torque=self.sent, limited=limited, flags=flags)
+
+    def _write_active(self, tick: int, command: Pair) -> tuple[Pair, Flag]:
+        """What the safety layer left of the command; where that ends in FAULT, nothing was sent."""
+        trip = self._reason_to_stop()
+        if trip is not None:
+            self._trip(trip)
+            return ZERO, Flag.NONE
         decision = self.safety.limit(tick, command)
         if decision.trip is not None:
             self._trip(decision.trip)
-            return self._write_zero(ZERO, decision.flags)
+            return ZERO, decision.flags
         allowed = decision.torque if self.permission is not None else ZERO
         flags = decision.flags if self.permission is not None else decision.flags | Flag.DRY
         try:
-            torque = self._send(tick, allowed)
+            if not self._send(allowed):
+                flags |= Flag.NOT_SENT
         except Exception as error:  # whatever fails here must end in zero and FAULT
             self._trip_on(error)
-            return self._write_zero(decision.torque, flags)
-        if torque is None:
-            return Sent(torque=ZERO, limited=decision.torque, flags=flags | Flag.NOT_SENT)
-        return Sent(torque=torque, limited=decision.torque, flags=flags)
+        return decision.torque, flags
+
+    def _send(self, torque: Pair) -> bool:
+        """Whether it went out; what did not leaves the wire's last torque as it was."""
+        pulse = self.driver.pulse
+        if pulse is not None and torque != ZERO:
+            pulse.heat(self.driver.number)
+        sent = self.driver.send(torque)
+        if sent is not None:
+            self.sent = sent
+        return sent is not None
+
+    def _write_zero(self) -> Flag:
+        sent = self._send_zero()
+        if self.state is State.FAULT:
+            self._latch.settle(self.watchdog, in_process=self.in_process)
+        return Flag.NONE if sent else Flag.NOT_SENT
+
+    def _send_zero(self) -> bool:
+        """Whether a zero went out, or is known to be there; never raises."""
+        try:
+            sent = self.driver.send_zero()
+        except Exception as error:
+            self._trip_on(error)
+            return False
+        if sent:
+            self.sent = ZERO
+        return sent
+
+    def _take(self) -> bool:
+        """Receive, and judge what came; whether there was a new valid sample."""
+        try:
+            received = self.driver.receive()
+        except Exception as error:
+            self._trip_on(error)
+            return False
+        if received.input_held is not None:
+            self.input_held = received.input_held
+        if self.state is not State.FAULT:
+            trip = self._judge.verdict(received, self.state)
+            if trip is not None:
+                self._trip(trip)
+        if received.zero_confirmed:
+            self._zeros += 1
+            self.sent = ZERO
+            self._latch.confirm()
+            if self.driver.pulse is not None:
+                self.driver.pulse.cool(self.driver.number)
+        if received.sample is None:
+            return False
+        self._samples.take(received.sample, received.device_time)
+        return True
+
+    def _reason_to_stop(self) -> Trip | None:
+        """Why this tick's command must not be followed, whatever it is."""
+        pulse = self.driver.pulse
+        if pulse is not None and not pulse.supervisor_alive():
+            return Trip(Cause.SUPERVISOR, "the supervisor process died")
+        if self._clock is not None:
+            if pulse is not None and pulse.supervisor_silent():
+                return Trip(Cause.SUPERVISOR, "the supervisor process stands still")
+            now = self._clock()
+            late = 0.0 if self._written is None else now - self._written - self.tick
+            self._written = now
+            if late > LATE_SECONDS:
+                return Trip(Cause.LATE, f"the control loop came {late * 1e3:.1f} ms late")
+        if self._alarm.raised_by is not None:
+            return Trip(Cause.SIBLING, f"{self._alarm.raised_by} is in FAULT")
+        held = None if self.permission is None else self.permission.is_held
+        if held is not None and not held():
+            return Trip(Cause.DEAD_MAN, "the dead-man input was released")
+        return None
+
+    # --- life cycle ------------------------------------------------------------------------------
+
+    def configure(self) -> None:
+        """Open the port and get the device to answer; it commands exact zero from here on.
+
+        Raises:
+            DeviceError: it does not answer, or is not the one that the device file describes.
+            InputError: the address or the device file cannot be used with this driver.
+        """
+        self._expect("configure", State.UNCONFIGURED)
+        driver = self.driver
+        if self.file.driver != driver.driver:
+            raise InputError(
+                f"the device file is for driver '{self.file.driver}', "
+                f"{self.name} is '{driver.driver}'"
+            )
+        if driver.native_period_ticks > LONGEST_NATIVE_PERIOD:
+            raise InputError(
+                f"{self.name} has a new sample every {driver.native_period_ticks:g} ticks; more "
+                f"than {LONGEST_NATIVE_PERIOD} is too slow for this control rate"
+            )
+        try:
+            driver.open()
+            self._check_serial()
+        except BaseException:
+            driver.close()
+            raise
+        self._samples.restart()
+        self._judge.forget()
+        self.state = State.INACTIVE
+
+    def home(self) -> None:
+        """Take the present pose as the home pose of the device file.
+
+        Raises:
+            DeviceError: no home pose is known, or no sample comes.
+        """
+        self._expect("home", State.INACTIVE)
+        home = self.file.home
+        if home is None and not self.driver.knows_its_pose:
+            raise DeviceError(
+                f"{self.name} cannot be homed: its device file has no 'home' pose; "
+                "measure one with 'cohaptic device calibrate'"
+            )
+        self.homed = False
+        if home is not None:
+            self.driver.set_home(home)
+            self._wait_for_sample()
+            self._samples.set_home(home)
+        self.safety.forget()
+        self.homed = True
+
+    def activate(self) -> None:
+        """Let the device follow commands (with a permission: let it produce torque).
+
+        Raises:
+            ActivationRefused: it is not homed, moves, is outside its workspace, or its output is
+                not safeguarded.
+        """
+        self._expect("activate", State.INACTIVE)
+        if not self.homed:
+            raise ActivationRefused(f"{self.name} is not homed: run 'cohaptic device home'")
+        unrest = self.safety.rest()
+        if unrest is not None:
+            raise ActivationRefused(f"{self.name} cannot be activated: {unrest}")
+        if self.permission is not None:
+            check_safeguards(self)
+        self.safety.start()
+        self._judge.start()
+        self._written = None
+        self.driver.enter()
+        self.state = State.ACTIVE
+
+    def deactivate(self) -> None:
+        """Zero, and out of closed loop."""
+        self._expect("deactivate", State.ACTIVE)
+        self.state = State.INACTIVE
+        self._send_zero()
+        self.driver.leave()
+
+    def reset(self) -> None:
+        """Leave FAULT: the port is closed and the homing is lost, so begin at ``configure``."""
+        self._expect("reset", State.FAULT)
+        self.driver.close()
+        self.state, self.homed = State.UNCONFIGURED, False
+        self._latch.clear()
+
+    def close(self) -> None:
+        """Zero the device as well as can be, and let go of it; safe in every state, and twice."""
+        try:
+            self.settle_down()
+        finally:
+            self.release()
+
+    def settle_down(self) -> None:
+        """Zero the device as well as can be, and out of closed loop; its port stays open."""
+        if self.state is State.UNCONFIGURED:
+            return
+        was_fault = self.state is State.FAULT
+        if not was_fault:
+            self.state = State.INACTIVE
+        self._zero_until_confirmed(SETTLE_TICKS)
+        if not was_fault:
+            self._guard(self.driver.leave)
+
+    # --- for the supervisor, once the process that wrote is gone ---------------------------------
+
+    def zero_after_death(self, *, torn: bool) -> bool:
+        """Send zero until an answer confirms it; whether one did.
+
+        ``torn`` says that the loop died while it was writing a frame.
+        """
+        try:
+            self.driver.take_over()
+            if torn:
+                self.driver.recover()
+            if self._zero_until_confirmed(SETTLE_TICKS):
+                return True
+            self.driver.recover()
+            return self._zero_until_confirmed(2 * SETTLE_TICKS)
+        except Exception:  # the answer is "not confirmed", whatever went wrong
+            return False
+
+    def release(self) -> None:
+        """Let go of the port without a word on the wire."""
+        self._guard(self.driver.close)
+        self.state, self.homed = State.UNCONFIGURED, False
+
+    # --- what others ask -------------------------------------------------------------------------
 
     @property
-    def age(self) -> int:
-        """Ticks since the last new valid sample."""
-        return self._age
+    def name(self) -> str:
+        """What sentences call it."""
+        return self.driver.name
 
     @property
-    def shown_angle(self) -> Pair:
-        """The newest joint angles (rad), nan before the first sample."""
-        return self._joint_angle()
+    def watchdog(self) -> Watchdog:
+        """What the board does by itself when the host falls silent."""
+        return self.driver.watchdog
+
+    @property
+    def in_process(self) -> bool:
+        """Whether there is no hardware and no other process behind it."""
+        return self.driver.in_process
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether it is an emulator that advances exactly as far as it is asked to."""
+        return self.driver.lockstep
+
+    @property
+    def drops_torque(self) -> bool:
+        """Whether its board has a watchdog that was seen to fire."""
+        return self.watchdog.verified
+
+    def idle(self) -> None:
+        """One exchange at zero torque, before the first tick.
+
+        Raises:
+            DeviceFault: it is in FAULT.
+        """
+        self.read(-1)
+        self.write(-1, ZERO)
+        self.raise_fault()
+
+    def cells(self) -> DeviceCells:
+        """How it stands, as numbers."""
+        angle = self.shown_angle
+        force = self.file.linkage.tip_force(angle, self.sent)
+        return DeviceCells(
+            STATES.index(self.state),
+            Status.OUTPUT_ENABLED in self.status,
+            self.age,
+            *angle,
+            *self.sent,
+            *force,
+            self.sent_flags,
+            -1 if self.fault is None else CAUSES.index(self.fault.cause),
+        )
 
     @property
     def status(self) -> Status:
         """The bits of the pantograph's ``status`` output."""
-        bits = Status(0)
-        if self.homed:
-            bits |= Status.HOMED
+        bits = Status.HOMED if self.homed else Status(0)
         if self.state is State.ACTIVE:
             bits |= Status.ACTIVE
-        if self.state is State.FAULT:
-            bits |= Status.FAULT
-        if self.state is State.ACTIVE and self.permission is not None:
-            bits |= Status.OUTPUT_ENABLED
-        return bits
+            bits |= Status.OUTPUT_ENABLED if self.permission is not None else Status(0)
+        return bits | (Status.FAULT if self.state is State.FAULT else Status(0))
 
-    def warnings(self) -> list[str]:
-        """What a person has to know before this device produces force."""
-        texts: list[str] = []
-        if not self.watchdog.verified and not self.in_process:
-            none = self.watchdog.timeout is None
-            texts.append(
-                f"{self.name} has {'no watchdog' if none else 'a watchdog that was never proved'}: "
-                "when it is unplugged, hangs or runs away its output is unknown; "
-                f"{CUT_POWER.split(':')[0]} then. Keep the switch within reach."
+    @property
+    def status_is_known(self) -> bool:
+        """Whether the board has answered since its port was opened."""
+        return self._samples.sample is not None
+
+    @property
+    def age(self) -> int:
+        """Ticks since the last new valid sample."""
+        return self._samples.age
+
+    @property
+    def shown_angle(self) -> Pair:
+        """The newest joint angles (rad), nan before the first sample."""
+        return self._samples.joint_angle()
+
+    @property
+    def fault(self) -> Trip | None:
+        """Why it is in FAULT."""
+        return self._latch.fault
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What is known of the motors after a fault."""
+        return self._latch.outcome
+
+    @property
+    def outcome_ticks(self) -> int:
+        """Writes from the fault to its outcome."""
+        return self._latch.ticks
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is known what became of the motors after a fault."""
+        return self._latch.settled
+
+    def fault_sentence(self) -> str:
+        """Why it is in FAULT and what is known of its output."""
+        return self._latch.sentence(self.name, self.watchdog)
+
+    def raise_fault(self) -> None:
+        """End the run where the device is in FAULT and its outcome is known.
+
+        Raises:
+            DeviceFault: always, then.
+        """
+        if self.state is State.FAULT and self.settled:
+            raise DeviceFault(self.fault_sentence())
+
+    # --- inside ----------------------------------------------------------------------------------
+
+    def _zero_until_confirmed(self, ticks: int) -> bool:
+        before = self._zeros
+        for _ in range(ticks):
+            self._send_zero()
+            self.driver.pause()
+            self._take()
+            if self._zeros > before:
+                return True
+        return False
+
+    def _wait_for_sample(self) -> None:
+        for _ in range(FIRST_SAMPLE_TRIES):
+            self._send_zero()
+            self.driver.pause()
+            if self._take():
+                return
+            if self.state is State.FAULT:
+                break
+        raise DeviceError(
+            self.fault_sentence() if self.fault is not None else f"{self.name} does not answer"
+        )
+
+    def _check_serial(self) -> None:
+        expected, found = self.file.serial, self.driver.serial()
+        if expected is not None and found is not None and expected != found:
+            raise DeviceError(
+                f"{self.name} has serial number {found}, its device file is for {expected}: "
+                "plug in the right one or calibrate this one"
             )
-        texts += [
-            f"{self.name}: the limit '{name}' is loosened to "
-            f"{getattr(self.file.limits, name):g}: {reason}"
-            for name, reason in self.file.loosened.items()
-        ]
-        if not (self.tested_on_hardware or self.in_process):
-            texts.append(f"the driver '{self.driver}' has met emulators only, never hardware")
-        return texts
 
-    @final
-    def _is_let_go(self) -> bool:
-        held = None if self.permission is None else self.permission.is_held
-        return held is not None and not held()
+    def _expect(self, call: str, *states: State) -> None:
+        if self.state not in states:
+            wanted = " or ".join(state.value for state in states)
+            raise LifecycleError(
+                f"{call}: {self.name} is {self.state.value}, it would have to be {wanted}"
+            )
 
-    @final
-    def _check_time(self) -> None:
-        if self.pulse is not None and not self.pulse.supervisor_alive():
-            self._trip(Trip(Cause.SUPERVISOR, "the supervisor process died"))
-        if self._clock is None:
-            return
-        now = self._clock()
-        late = 0.0 if self._written is None else now - self._written - self.tick
-        self._written = now
-        if late > LATE_SECONDS:
-            self._trip(Trip(Cause.LATE, f"the control loop came {late * 1e3:.1f} ms late"))
+    def _trip_on(self, error: Exception) -> None:
+        cause = error.cause if isinstance(error, DeviceError) else Cause.PORT
+        self._trip(Trip(cause, str(error) or type(error).__name__))
+
+    def _trip(self, trip: Trip) -> None:
+        if self.state in {State.ACTIVE, State.INACTIVE} and self._latch.set(trip):
+            self.state = State.FAULT
+            self._alarm.raise_for(self.name)
+            if trip.cause.unhomes:
+                self.homed = False
+
+    def _guard(self, call: Callable[[], object]) -> bool:
+        """Run a call on a path that must go on; whether it worked."""
+        try:
+            call()
+        except Exception as error:
+            self._trip_on(error)
+            return False
+        return True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,22 +1,20 @@
-"""What a driver is: the facts that it declares and the hooks that it fills in.
+"""What a driver is: the facts that its class declares, and the calls that it answers with values.
 
-The rest of a device (``fault_latch``, ``measuring``, ``lifecycle``, ``device``) is built on these
-hooks and is final: a driver that replaces any of it is refused when its class is made. So no torque
-reaches a hook without the safety layer, and every error becomes FAULT.
+A driver speaks one protocol. It is handed to a ``Device``, which judges what came, limits what goes
+out, and alone knows of states, faults and permissions; a driver knows none of them.
 """
 
 from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, ClassVar
 
 from cosim.base.pulse import Pulse
-from hil.device.contract import ZERO, BusUse, Sample, Watchdog
+from hil.device.contract import BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
-from hil.safety.permission import Permission
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import UrlOptions
@@ -24,14 +22,16 @@ from hil.setup.settings import DriverSettings
 
 
 class Driver(ABC):
-    """The part of a device that belongs to its driver; derive from ``hil.device.device.Device``.
+    """One protocol on one port; registered under the entry points ``cohaptic.devices``.
 
-    ``tick`` is the control period (s). ``permission`` lets torque out; without one the output is
-    dry. ``pulse`` is the supervisor's shared memory, ``None`` without a supervisor. ``clock``
-    gives host seconds for the lateness rule; ``None`` (lock-step) counts ticks instead.
+    ``tick`` is the control period (s). ``pulse`` is the supervisor's shared memory, ``None``
+    without a supervisor, where the device is number ``number``. ``parameters`` are the scenario's,
+    for what only a simulated device can use. Every call but ``open`` and ``preset`` is bounded in
+    time; errors are raised as ``DeviceError``.
     """
 
     driver: ClassVar[str]
+    """Its name, as in a URL."""
     latency_ticks: ClassVar[int] = 0
     """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
     native_period_ticks: ClassVar[float] = 1.0
@@ -39,22 +39,24 @@ class Driver(ABC):
     in_process: ClassVar[bool] = False
     """Whether there is no hardware and no other process behind it (``mock``)."""
     shares_port: ClassVar[bool] = True
-    """Whether a supervisor can open it and hand it to the loop; a maker's library cannot."""
+    """Whether another process can go on with its open port; with a maker's library none can."""
     tested_on_hardware: ClassVar[bool] = False
     has_input: ClassVar[bool] = False
     """Whether the board tells of a switch on it, which can serve as a dead-man input."""
-
     settings: ClassVar[type[DriverSettings]] = DriverSettings
     """The form of ``settings`` in its device file."""
     options: ClassVar[type[UrlOptions]] = UrlOptions
     """The form of the options in its URL."""
-
-    def __init_subclass__(cls, **keywords: Any) -> None:
-        super().__init_subclass__(**keywords)
-        replaced = sorted(name for name in vars(cls) if _is_final(cls, name))
-        if replaced:
-            message = f"{cls.__name__} replaces {', '.join(replaced)}: drivers fill in hooks only"
-            raise TypeError(message)
+    emulator: ClassVar[str | None] = None
+    """``module:function`` that makes its emulated board (``hil.emulation.launch``)."""
+    preset: ClassVar[str] = "quanser"
+    """The device that a device file describes where it does not name one."""
+    takes_volts: ClassVar[bool] = False
+    """Whether it takes volts: then a drive defaults to the preset's motor and amplifier."""
+    found_on: ClassVar[str | None] = None
+    """Where ``cohaptic device find`` looks for it: ``serial``, ``can``, or nowhere."""
+    usb_ids: ClassVar[tuple[tuple[int, int], ...]] = ()
+    """Vendor and product numbers of boards that are known to be this one's."""
 
     def __init__(
         self,
@@ -62,33 +64,37 @@ class Driver(ABC):
         file: DeviceFile,
         *,
         tick: Fraction = Fraction(1, 1024),
-        permission: Permission | None = None,
         pulse: Pulse | None = None,
-        clock: Callable[[], float] | None = None,
+        number: int = 0,
+        parameters: Mapping[str, Any] | None = None,
     ) -> None:
         self.address = address
         self.file = file
         self.tick = float(tick)
-        self.permission = permission
         self.pulse = pulse
-        self.name = address.url
-        self.number = 0
-        """Which device of the run it is, for the supervisor."""
-        self.parameters: dict[str, Any] = {}
-        """The scenario's pantograph parameters, for what only a simulated device can use."""
-        self.zeros_confirmed = 0
-        """Answers so far that confirm a torque of zero; hooks count them."""
-        self.watchdog_reports = 0
-        """Answers so far that say that the board's watchdog has fired; hooks count them."""
-        self.input_held = False
-        """Whether that switch was closed in the newest answer; hooks set it."""
-        self._clock = clock
+        self.number = number
+        self.parameters = dict(parameters or {})
+
+    @classmethod
+    def component(cls, url: str, options: dict[str, Any], safety: dict[str, Any]) -> Any:
+        """The component that a scenario's ``device: URL`` stands for (entry point contract).
+
+        ``safety`` are limits that the scenario puts on every device: the tighter ones hold.
+        """
+        from hil.device.component import DeviceComponent  # it needs this class itself
+
+        return DeviceComponent(cls, url, options, safety)
 
     @classmethod
     def bus_use(cls, address: Address, file: DeviceFile) -> BusUse | None:
         """The frames of one tick that ``cohaptic check`` counts; ``None`` off a CAN bus."""
         del address, file
         return None
+
+    @property
+    def name(self) -> str:
+        """What sentences call the device."""
+        return self.address.url
 
     @property
     def watchdog(self) -> Watchdog:
@@ -124,54 +130,43 @@ class Driver(ABC):
         """Whether it measures absolute angles, so that it needs no pose to be homed in."""
         return False
 
-    # --- hooks -----------------------------------------------------------------------------------
+    # --- what a protocol does --------------------------------------------------------------------
 
     @abstractmethod
-    def _open(self) -> None:
+    def open(self) -> None:
         """Open and set up; on return the device answers and its torque is zero."""
 
     @abstractmethod
-    def _receive(self) -> Sample | None:
-        """The newest valid sample since the last call, or ``None``; bounded in time."""
+    def receive(self) -> Received:
+        """What has come since the last call, and what it says of the board."""
 
     @abstractmethod
-    def _send(self, tick: int, torque: Pair) -> Pair | None:
+    def send(self, torque: Pair) -> Pair | None:
         """Send joint torques (N.m); returns them computed back, ``None`` where none went out."""
 
     @abstractmethod
-    def _close(self) -> None:
+    def send_zero(self) -> bool:
+        """Command zero; whether that went out, or is known to be there. An answer confirms it."""
+
+    @abstractmethod
+    def close(self) -> None:
         """Let go of the port; safe when it was never opened."""
 
-    def _send_zero(self) -> None:
-        """Command zero; ``zeros_confirmed`` counts the answers that confirm one."""
-        self._send(0, ZERO)
-
-    def _serial(self) -> str | None:
+    def serial(self) -> str | None:
         """The connected device's serial number, ``None`` where it has none to tell."""
         return None
 
-    def _preset(self, home: Pair) -> None:
+    def set_home(self, home: Pair) -> None:
         """Tell the device its joint angles (rad), where it wants to know them."""
 
-    def _enter(self) -> None:
+    def enter(self) -> None:
         """Enter closed loop at zero torque."""
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
         """Leave closed loop."""
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
         """Forget what was true in the process that died (answers that it had asked for)."""
 
-    def _recover(self) -> None:
+    def recover(self) -> None:
         """Complete or drain a frame that a dead loop left half written."""
-
-
-def _is_final(kind: type, name: str) -> bool:
-    """Whether a base of ``kind`` marked ``name`` with ``typing.final``."""
-    for base in kind.__mro__[1:]:
-        found = vars(base).get(name)
-        inner = (getattr(found, wrapper, None) for wrapper in ("__func__", "fget", "func"))
-        method = next((wrapped for wrapped in inner if wrapped is not None), found)
-        if getattr(method, "__final__", False):
-            return True
-    return False

@@ -6,17 +6,21 @@ from abc import abstractmethod
 from typing import ClassVar
 
 from hil.device.contract import ZERO, Watchdog
-from hil.device.device import Device
+from hil.device.driver import Driver
+from hil.device.errors import BoardError
 from hil.safety.linkage import Pair
 from hil.wire.vendor import volts
 
 
-class CardDevice(Device):
+class CardDriver(Driver):
     """Two encoder inputs and two analogue outputs behind a maker's package."""
 
     shares_port: ClassVar[bool] = False
+    takes_volts = True
 
     _proved: bool = False
+    _zero: bool = False
+    """Whether zero is what the card was last given."""
     _timeout: float
 
     @property
@@ -24,14 +28,18 @@ class CardDevice(Device):
         """The card's own, where it has one that was seen to fire at this opening."""
         return Watchdog(timeout=self._timeout if self._proved else None, verified=self._proved)
 
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         voltage, given = volts(self.file.joints, torque)
-        self._put(voltage)
+        self._zero = False
+        if not self._put(voltage):
+            raise BoardError("the card's watchdog has expired")
+        self._zero = given == ZERO
         return given
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         self._put(self._rest)
-        self.zeros_confirmed += 1  # the call returns once the card has it
+        self._zero = True  # the call returns once the card has it
+        return True
 
     @property
     def _rest(self) -> Pair:
@@ -39,5 +47,5 @@ class CardDevice(Device):
         return volts(self.file.joints, ZERO)[0]
 
     @abstractmethod
-    def _put(self, voltage: Pair) -> None:
-        """Give the card its volts, which feeds its watchdog."""
+    def _put(self, voltage: Pair) -> bool:
+        """Give the card its volts, which feeds its watchdog; whether that had not expired."""

@@ -13,16 +13,12 @@ def sample_of_counts(
     joints: tuple[Joint, Joint],
     count: tuple[int, int],
     sequence: int,
-    *,
-    device_time: float | None = None,
 ) -> Sample:
-    """A sample of a device that counts; ``device_time`` (s) where it has a clock."""
+    """A sample of a device that counts."""
     first, second = (
         2 * pi * value / joint.counts_per_turn for value, joint in zip(count, joints, strict=True)
     )
-    return Sample(
-        shaft_angle=(first, second), count=count, sequence=sequence, device_time=device_time
-    )
+    return Sample(shaft_angle=(first, second), count=count, sequence=sequence)
 
 
 def sample_of_turns(joints: tuple[Joint, Joint], turns: Pair, sequence: int) -> Sample:
@@ -35,3 +31,24 @@ def sample_of_turns(joints: tuple[Joint, Joint], turns: Pair, sequence: int) -> 
         count=(first, second),
         sequence=sequence,
     )
+
+
+class WrappingClock:
+    """A board's clock of 32 bits in microseconds, followed over its end.
+
+    A step of more than half the range is one back: a board that has started anew.
+    """
+
+    def __init__(self) -> None:
+        self._last: int | None = None
+        self._total = 0
+
+    def seconds(self, microseconds: int) -> float:
+        """The time (s) that a reading stands for."""
+        if self._last is None:
+            self._total = microseconds
+        else:
+            step = (microseconds - self._last) & 0xFFFFFFFF
+            self._total += step - (1 << 32 if step >= 1 << 31 else 0)
+        self._last = microseconds
+        return self._total * 1e-6

@@ -1,4 +1,4 @@
-"""Starting an emulator: choose board and link by name, say under which URL it is reached."""
+"""Starting an emulator: find its board by the driver's name, say under which URL it is reached."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ import socket
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
 from cosim.base.errors import InputError
+from cosim.base.grants import freeze_garbage, real_time_priority
 from hil.emulation.board import Board
-from hil.emulation.links import CanLink, Link, PtyLink, SlcanLink
+from hil.emulation.links import CanLink, Link, SlcanLink
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
 from hil.emulation.side_channel import Control
 from hil.emulation.world import World
-from hil.realtime.system import freeze_garbage, real_time_priority
+from hil.setup.registry import find
 
 PATIENCE = 600.0
 """Seconds to wait for an emulator's first word; one that dies is noticed at once."""
@@ -46,58 +48,33 @@ class Order:
     """Of the board or of the bus."""
 
 
-def make(order: Order) -> tuple[Board, Link, str]:
-    """Board, link and URL of an emulator.
+Made = tuple[Board, Link, str]
+"""An emulated board, its link, and the URL under which a host reaches it."""
+
+
+def make(order: Order) -> Made:
+    """Board, link and URL of an emulator, as the driver of that name declares it.
 
     Raises:
-        InputError: there is no emulator of that name, or it has no such link.
+        InputError: there is no driver of that name, it has no emulator, or that has no such link.
     """
-    if order.name not in BOARDS:
-        raise InputError(
-            f"there is no emulator '{order.name}'; there are {', '.join(sorted(BOARDS))}"
-        )
+    kind = find(order.name)
+    if kind.emulator is None:
+        raise InputError(f"the driver '{order.name}' has no emulator")
+    module, _, name = kind.emulator.partition(":")
+    board = getattr(import_module(module), name)
     body = SimulatedPantograph(
         order.parameters, hand=Hand(**order.hand), operator=order.operator, step=order.tick
     )
-    return BOARDS[order.name](order, World(body, lockstep=order.lockstep))
+    return board(order, World(body, lockstep=order.lockstep))
 
 
-def _haply(_: Order, world: World) -> tuple[Board, Link, str]:
-    from hil.drivers.haply.emulator import HaplyBoard
+def on_can(name: str, order: Order, board: Board, owns: Callable[[int], bool]) -> Made:
+    """A board on CAN with its link: ``slcan`` on a pty, or a multicast group of its own.
 
-    link = PtyLink()
-    return HaplyBoard(world), link, f"haply://{link.path}"
-
-
-def _odrive(order: Order, world: World) -> tuple[Board, Link, str]:
-    from hil.drivers.odrive.emulator import OdriveBoard
-
-    board = OdriveBoard(world, tick=order.tick, **order.options)
-    return _on_can("odrive", order, board, board.owns)
-
-
-def _cobs(order: Order, world: World) -> tuple[Board, Link, str]:
-    from hil.drivers.cobs.emulator import CobsBoard, FirmwareBoard
-
-    link = PtyLink()
-    kind = FirmwareBoard if "firmware" in order.options else CobsBoard
-    return kind(world, tick=order.tick, **order.options), link, f"cobs://{link.path}"
-
-
-def _canopen(order: Order, world: World) -> tuple[Board, Link, str]:
-    from hil.drivers.canopen.emulator import CanopenBoard
-
-    options = {**order.options, "nodes": tuple(order.options.get("nodes", (1,)))}
-    board = CanopenBoard(world, tick=order.tick, **options)
-    found, link, url = _on_can("canopen", order, board, board.owns)
-    joined = "&" if "?" in url else "?"
-    return found, link, f"{url}{joined}nodes={','.join(str(node) for node in options['nodes'])}"
-
-
-def _on_can(
-    name: str, order: Order, board: Board, owns: Callable[[int], bool]
-) -> tuple[Board, Link, str]:
-    """The link of a board on CAN: ``slcan`` on a pty, or a multicast group of its own."""
+    Raises:
+        InputError: there is no such link.
+    """
     if order.link == "slcan":
         link = SlcanLink()
         return board, link, f"{name}+slcan://{link.path}?sleep_after_open=0"
@@ -109,14 +86,6 @@ def _on_can(
     group = f"239.74.163.{2 + os.getpid() % 250}"
     bus = CanLink(owns, interface="udp_multicast", channel=group, port=port, hop_limit=0)
     return board, bus, f"{name}+udp_multicast://{group}:{port}"
-
-
-BOARDS: dict[str, Callable[[Order, World], tuple[Board, Link, str]]] = {
-    "canopen": _canopen,
-    "cobs": _cobs,
-    "haply": _haply,
-    "odrive": _odrive,
-}
 
 
 def serve(

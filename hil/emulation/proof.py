@@ -54,5 +54,5 @@ def _angles(device: Device) -> Pair:
     for tick in range(-EXCHANGES, 0):
         device.read(tick)
         device.write(tick, (0.0, 0.0))
-        device.pause()
+        device.driver.pause()
     return device.read(0).joint_angle

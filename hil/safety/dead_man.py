@@ -111,23 +111,27 @@ def open_dead_man(source: str) -> Callable[[Device], Held]:
 
 
 def _of_device(device: Device) -> Held:
-    if not device.has_input:
+    if not device.driver.has_input:
         raise InputError(
-            f"the driver '{device.driver}' tells of no switch on its board: give "
+            f"the driver '{device.driver.driver}' tells of no switch on its board: give "
             "--dead-man evdev:/dev/input/eventN"
         )
     return lambda: device.input_held
 
 
-def wait_until_held(device: Device, held: Held, patience: float = PATIENCE) -> bool:
-    """Exchange zeros with a configured device until the input is held; whether it was in time."""
-    end = time.monotonic() + patience
-    tick = 0
-    while not held():
+def wait_until_held(device: Device, held: Held, patience: float | None = None) -> bool:
+    """Exchange zeros until the input was seen open and is held then; whether it was in time.
+
+    One that was never seen open may be jammed.
+    """
+    end = time.monotonic() + (PATIENCE if patience is None else patience)
+    tick, was_open = 0, isinstance(held, EventKey)  # that one is held from a press on only
+    while not (was_open and held()):
         if time.monotonic() > end:
             return False
         device.read(tick)
         device.write(tick, ZERO)
-        device.pause()
+        device.driver.pause()
+        was_open |= device.status_is_known and not held()
         tick += 1
     return True

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from hil.device.errors import ActivationRefused
 
 if TYPE_CHECKING:
-    from hil.device.driver import Driver
+    from hil.device.device import Device
 
 NETWORK = frozenset({"socket", "rfc2217", "udp_multicast"})
 """Transports that anybody on the network could write to: for emulators only."""
 
 
-def check_safeguards(device: Driver) -> None:
+def check_safeguards(device: Device) -> None:
     """Refuse output that nothing would switch off when this process dies.
 
     Raises:
@@ -38,7 +38,7 @@ def check_safeguards(device: Driver) -> None:
         )
     if device.watchdog.verified:
         return
-    if not device.shares_port:
+    if not device.driver.shares_port:
         raise ActivationRefused(
             f"{device.name} is reached through its maker's library, whose handle no supervisor can "
             "take over, and its board has no watchdog that was seen to fire: it stays without "
@@ -51,7 +51,7 @@ def check_safeguards(device: Driver) -> None:
             f"the watchdog of {device.name} has not been proved on this device: let it fire once "
             "with 'cohaptic device check URL --file FILE --enable-output'"
         )
-    if device.pulse is None:
+    if device.driver.pulse is None:
         raise ActivationRefused(
             f"{device.name} has no verified watchdog and no supervisor guards this process: "
             "run it with --realtime"

@@ -39,6 +39,6 @@ def _angle(device: Device, axis: int) -> float:
     for tick in range(READS):
         device.read(tick)
         device.write(tick, ZERO)
-        device.pause()
+        device.driver.pause()
     device.raise_fault()
     return device.read(READS).joint_angle[axis]

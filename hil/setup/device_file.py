@@ -44,9 +44,6 @@ PRESETS: Mapping[str, Mapping[str, Any]] = {
 }
 """Geometry (m), counts, drive and a tip position in mid-workspace of the two published devices."""
 
-VOLTAGE_DRIVERS = frozenset({"canopen", "nidaqmx", "quanser"})
-"""Drivers whose device takes volts; the drive defaults to the preset's motor and amplifier."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Joint:
@@ -172,9 +169,12 @@ class _Builder:
     """Completes the form by its preset, and judges what only fits together."""
 
     def __init__(self, form: DeviceFileForm, problems: Problems) -> None:
+        from hil.setup.registry import find  # a driver needs the device file itself
+
         self._form = form
         self._problems = problems
-        self._preset = form.preset or ("haply" if form.driver == "haply" else "quanser")
+        self._kind = find(form.driver)
+        self._preset = form.preset or self._kind.preset
         self._base = PRESETS[self._preset]
 
     def build(self, path: Path | None) -> DeviceFile:
@@ -247,7 +247,7 @@ class _Builder:
 
     def _drive(self, path: tuple[str | int, ...], form: DriveForm) -> Drive:
         standard: Mapping[str, Any] = {}
-        if self._form.driver in VOLTAGE_DRIVERS:
+        if self._kind.takes_volts:
             standard = self._base["drive"] or PRESETS["quanser"]["drive"]
         values = {**standard, **form.model_dump(exclude_none=True, exclude_unset=True)}
         where = ".".join(map(str, path))

@@ -60,7 +60,7 @@ def check(device: Device, seconds: float, show: Callable[[Pair, int], None] | No
             told = before
             show(angle, measured.sample_age)
         tick += 1
-        device.pause()
+        device.driver.pause()
         if device.settled:
             break
     ordered = sorted(spent)

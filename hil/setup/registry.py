@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from importlib.metadata import entry_points
 
 from cosim.base.errors import InputError
-from hil.device.device import Device
+from hil.device.driver import Driver
 
 GROUP = "cohaptic.devices"
 
@@ -19,7 +19,7 @@ def names() -> list[str]:
     return sorted({entry.name for entry in entry_points(group=GROUP)})
 
 
-def find(name: str) -> type[Device]:
+def find(name: str) -> type[Driver]:
     """The driver's class.
 
     Raises:
@@ -34,8 +34,8 @@ def find(name: str) -> type[Device]:
         kind: object = found[0].load()
     except ImportError as error:
         raise InputError(f"the device driver '{name}' cannot be loaded: {error}") from error
-    if not (isinstance(kind, type) and issubclass(kind, Device)):
+    if not (isinstance(kind, type) and issubclass(kind, Driver)):
         raise InputError(
-            f"the entry point '{name}' of {GROUP} is no subclass of hil.device.device.Device"
+            f"the entry point '{name}' of {GROUP} is no subclass of hil.device.driver.Driver"
         )
     return kind

@@ -10,11 +10,11 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
-from typing import final
 
-from hil.device.contract import ZERO, State, WatchdogProof
-from hil.device.errors import ActivationRefused, BoardError, DeviceError
-from hil.device.lifecycle import Lifecycle
+from hil.device.contract import ZERO, Received, State, WatchdogProof
+from hil.device.device import Device
+from hil.device.driver import Driver
+from hil.device.errors import ActivationRefused, DeviceError, LifecycleError
 
 FED_TIMEOUTS = 2.0
 """How long it is fed first, in its own timeouts: a watchdog that fires then is of no use."""
@@ -24,87 +24,83 @@ REPORT_SECONDS = 0.030
 """What a report may take beyond the timeout: heartbeats come every 10 ms."""
 
 
-class WatchdogProving(Lifecycle):
-    """The bench test behind ``cohaptic device check --enable-output``."""
+def prove_watchdog(device: Device) -> WatchdogProof:
+    """Let a board's watchdog fire, with its output stage on and at zero torque.
 
-    @final
-    def prove_watchdog(self) -> WatchdogProof:
-        """Let the board's watchdog fire, with its output stage on and at zero torque.
+    Raises:
+        ActivationRefused: nobody has allowed the output.
+        DeviceError: there is no watchdog, it fires while it is fed, or it does not report in time
+            that it has fired.
+    """
+    if device.state is not State.INACTIVE:
+        raise LifecycleError(f"{device.name} is {device.state}, it would have to be inactive")
+    driver, timeout = device.driver, device.watchdog.timeout
+    if timeout is None:
+        raise DeviceError(f"{device.name} has no watchdog that could be proved")
+    if device.permission is None:
+        raise ActivationRefused(
+            f"the watchdog of {device.name} is proved with its output stage on: give "
+            "--enable-output and confirm"
+        )
+    try:
+        driver.enter()
+        _feed(driver, timeout)
+        seconds = _starve(driver, timeout)
+    finally:
+        for call in (driver.send_zero, driver.leave):
+            with suppress(DeviceError):
+                call()
+    return WatchdogProof(
+        date=datetime.now(UTC).date().isoformat(),
+        timeout=timeout,
+        fired_after=round(seconds, 4),
+        serial=driver.serial() or device.file.serial,
+    )
 
-        Raises:
-            ActivationRefused: nobody has allowed the output.
-            DeviceError: there is no watchdog, it fires while it is fed, or it does not report in
-                time that it has fired.
-        """
-        self._expect("prove_watchdog", State.INACTIVE)
-        timeout = self.watchdog.timeout
-        if timeout is None:
-            raise DeviceError(f"{self.name} has no watchdog that could be proved")
-        if self.permission is None:
-            raise ActivationRefused(
-                f"the watchdog of {self.name} is proved with its output stage on: give "
-                "--enable-output and confirm"
+
+def _feed(driver: Driver, timeout: float) -> None:
+    for count in range(SETTLE_EXCHANGES + round(FED_TIMEOUTS * timeout / driver.tick)):
+        received = _exchange(driver)
+        if count < SETTLE_EXCHANGES:
+            continue
+        if received.watchdog_fired:
+            raise DeviceError(
+                f"the watchdog of {driver.name} fires while it is fed: its timeout is not the "
+                f"{timeout * 1e3:.0f} ms of the device file, or this machine was too busy to "
+                "feed it; try again"
             )
-        try:
-            self._enter()
-            self._feed(timeout)
-            seconds = self._starve(timeout)
-        finally:
-            self._guard(self._send_zero)
-            self._guard(self._leave)
-        return WatchdogProof(
-            date=datetime.now(UTC).date().isoformat(),
-            timeout=timeout,
-            fired_after=round(seconds, 4),
-            serial=self._serial() or self.file.serial,
-        )
+        if received.error is not None:
+            raise received.error
 
-    @final
-    def _feed(self, timeout: float) -> None:
-        reports = self.watchdog_reports
-        ticks = SETTLE_EXCHANGES + round(FED_TIMEOUTS * timeout / self.tick)
-        for count in range(ticks):
-            self._send(0, ZERO)
-            self.pause()
-            self._receive()
-            if count < SETTLE_EXCHANGES:
-                reports = self.watchdog_reports
-            elif self.watchdog_reports > reports:
-                raise DeviceError(
-                    f"the watchdog of {self.name} fires while it is fed: its timeout is not the "
-                    f"{timeout * 1e3:.0f} ms of the device file, or this machine was too busy to "
-                    "feed it; try again"
-                )
 
-    @final
-    def _starve(self, timeout: float) -> float:
-        """Listen, send nothing; the time (s) until the report, or until the board was asked."""
-        before = self.watchdog_reports
-        elapsed = self._stopwatch()
-        while (seconds := elapsed()) < timeout + REPORT_SECONDS:
-            self.pause()
-            with suppress(BoardError):  # the report itself
-                self._receive()
-            if self.watchdog_reports > before:
-                return seconds
-        # A board that speaks only when it is spoken to tells what happened meanwhile.
-        for _ in range(SETTLE_EXCHANGES):
-            self._send(0, ZERO)
-            self.pause()
-            with suppress(BoardError):
-                self._receive()
-            if self.watchdog_reports > before:
-                return seconds
-        raise DeviceError(
-            f"the watchdog of {self.name} did not fire within {seconds * 1e3:.0f} ms of silence, "
-            f"though its timeout is {timeout * 1e3:.0f} ms: nothing would stop its motors; check "
-            "the device's own configuration"
-        )
+def _starve(driver: Driver, timeout: float) -> float:
+    """Listen, send nothing; the time (s) until the report, or until the board was asked."""
+    elapsed = _stopwatch(driver)
+    while (seconds := elapsed()) < timeout + REPORT_SECONDS:
+        driver.pause()
+        if driver.receive().watchdog_fired:  # an error besides is the very report
+            return seconds
+    # A board that speaks only when it is spoken to tells what happened meanwhile.
+    for _ in range(SETTLE_EXCHANGES):
+        if _exchange(driver).watchdog_fired:
+            return seconds
+    raise DeviceError(
+        f"the watchdog of {driver.name} did not fire within {seconds * 1e3:.0f} ms of silence, "
+        f"though its timeout is {timeout * 1e3:.0f} ms: nothing would stop its motors; check "
+        "the device's own configuration"
+    )
 
-    def _stopwatch(self) -> Callable[[], float]:
-        """Seconds since now; in lock-step the board's own time, a tick each time it is asked."""
-        if not (self.lockstep or self.in_process):
-            begun = time.monotonic()
-            return lambda: time.monotonic() - begun
-        ticks = iter(range(1_000_000))
-        return lambda: next(ticks) * self.tick
+
+def _exchange(driver: Driver) -> Received:
+    driver.send(ZERO)
+    driver.pause()
+    return driver.receive()
+
+
+def _stopwatch(driver: Driver) -> Callable[[], float]:
+    """Seconds since now; in lock-step the board's own time, a tick each time it is asked."""
+    if not (driver.lockstep or driver.in_process):
+        begun = time.monotonic()
+        return lambda: time.monotonic() - begun
+    ticks = iter(range(1_000_000))
+    return lambda: next(ticks) * driver.tick

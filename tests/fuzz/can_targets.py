@@ -9,9 +9,10 @@ from types import SimpleNamespace
 from typing import Any
 
 from hil.device.contract import State
+from hil.device.device import Device
 from hil.device.errors import ProtocolError
 from hil.drivers.odrive import protocol as odrive
-from hil.drivers.odrive.driver import OdriveDevice
+from hil.drivers.odrive.driver import OdriveDriver
 from hil.drivers.odrive.emulator import OdriveBoard
 from hil.emulation.board import Frame
 from hil.emulation.world import World
@@ -97,14 +98,17 @@ class FakeBus:
     def shutdown(self) -> None: ...
 
 
-def _driver() -> tuple[OdriveDevice, CanBus]:
+def _driver() -> tuple[Device, CanBus]:
     return copy.deepcopy(_made())
 
 
 @functools.cache
-def _made() -> tuple[OdriveDevice, CanBus]:
-    device = OdriveDevice(
-        parse("odrive+fake://can0?lockstep=1"), parse_file({"driver": "odrive"}), tick=TICK
+def _made() -> tuple[Device, CanBus]:
+    device = Device(
+        OdriveDriver,
+        parse("odrive+fake://can0?lockstep=1"),
+        parse_file({"driver": "odrive"}),
+        tick=TICK,
     )
     bus = CanBus(name="fake", raw=FakeBus(), key=("fake", "can0"), bitrate=1e6, budget=0.0)
     bus.users[device] = ()

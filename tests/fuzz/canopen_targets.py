@@ -10,10 +10,11 @@ from math import isfinite, pi
 from typing import Any
 
 from hil.device.contract import State
+from hil.device.device import Device
 from hil.device.errors import ProtocolError
 from hil.drivers.canopen import driver as module
 from hil.drivers.canopen import protocol as canopen
-from hil.drivers.canopen.driver import CanopenDevice
+from hil.drivers.canopen.driver import CanopenDriver
 from hil.drivers.canopen.emulator import TORQUE_PER_CODE, CanopenBoard
 from hil.drivers.canopen.set_up import Found
 from hil.emulation.board import Frame
@@ -105,8 +106,9 @@ def canopen_driver(data: bytes) -> None:
 
 
 @functools.cache
-def _made() -> tuple[CanopenDevice, CanBus]:
-    device = CanopenDevice(
+def _made() -> tuple[Device, CanBus]:
+    device = Device(
+        CanopenDriver,
         parse("canopen+fake://can0?nodes=1&lockstep=1"),
         parse_file({"driver": "canopen"}),
         tick=TICK,

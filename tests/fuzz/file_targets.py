@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.realtime.ring import Reader, Ring
 from cosim.scenario import load as load_scenario
 from hil.drivers.cobs.emulator import CobsBoard
 from hil.emulation.links import PtyLink
 from hil.emulation.server import Server
 from hil.emulation.world import World
-from hil.realtime.ring import Reader, Ring
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, load
 from hil.setup.device_file import parse as parse_file

@@ -93,7 +93,8 @@ def _active(name: str) -> tuple[Device, Wire]:
     wire = Wire(BOARDS[name](World(Rest(angle), lockstep=True)))
     kept, module.SerialPort = module.SerialPort, lambda *_: wire
     try:
-        device = find(name)(
+        device = Device(
+            find(name),
             parse(f"{name}://wire?lockstep=1"),
             parse_file({"driver": name, "home": list(angle)}),
             tick=TICK,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from hil.realtime.live import Feed
-    from hil.realtime.watcher import Watcher
+    from cosim.realtime.live import Feed
+    from cosim.realtime.watcher import Watcher
 
 SHOW_SECONDS = 0.1
 
@@ -31,7 +31,7 @@ class Console:
             return
         self._shown = now
         if self._watcher is None:
-            from hil.realtime.watcher import Watcher
+            from cosim.realtime.watcher import Watcher
 
             self._watcher = Watcher(feed.path)
         status = self._watcher.status()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from hil.realtime.session import Session
+    from hil.setup.session import Session
 
 Command = Callable[..., Any]
 
@@ -48,8 +48,8 @@ def device_session(*, enable_output: bool, yes: bool, dead_man: str | None = Non
     Raises:
         InputError: the dead-man input cannot be used.
     """
-    from hil.realtime import session as sessions
     from hil.safety.dead_man import open_dead_man
+    from hil.setup import session as sessions
 
     return sessions.begin(
         sessions.Session(

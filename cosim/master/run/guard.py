@@ -1,6 +1,7 @@
 """A Python component's outputs are looked at when it has put them out, like those of an FMU.
 
-Otherwise a NaN would be noticed where it arrives, and its reader blamed.
+Otherwise a NaN would be noticed where it arrives, and its reader blamed. What a device cannot
+measure it puts out as NaN on purpose; nothing may be connected to that.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cosim.base.component import Causality, Component
+from cosim.base.component import Causality, Component, Role
 from cosim.base.errors import RunError
 from cosim.master.assembly.interface import Element, has_cells, size_of
 from cosim.master.kernel.program import Call, Program
@@ -28,7 +29,7 @@ def guarded(program: Program, component: Component, call: Call) -> Callable[[int
         program.layout.cells[call.component, variable.name] + index
         for variable in interface.variables.values()
         if variable.causality is Causality.OUTPUT and variable.type.is_float
-        if has_cells(variable)
+        if has_cells(variable) and variable.role is not Role.SIMULATION_ONLY
         for index in range(size_of(variable))
     ]
     if not numbers or call.method == "write":

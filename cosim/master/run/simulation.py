@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import TracebackType
+from typing import Protocol
 
 from cosim.base.component import Component
 from cosim.base.garbage import without_collecting
@@ -26,8 +27,6 @@ from cosim.master.kernel.program import INITIAL, Program
 from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
-from cosim.master.run.paced_loop import PacedLoop
-from cosim.master.run.pacing import Pacer
 from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
@@ -47,6 +46,23 @@ class Outcome:
     channels: Mapping[str, PacketCount] = field(default_factory=dict[str, PacketCount])
     warnings: Mapping[str, int] = field(default_factory=dict[str, int])
     """Warnings that FMUs returned, by component."""
+
+
+class Drive(Protocol):
+    """Runs a program in place of the loop by chunks; the pace is its own, the numbers are not."""
+
+    def __call__(
+        self,
+        program: Program,
+        components: Mapping[str, Component],
+        groups: Sequence[RecordGroup],
+        sink: Sink | None,
+        *,
+        end: int,
+        wish: Wish,
+    ) -> Stop:
+        """Run until tick ``end``, a wish, or what the kernel comes back for otherwise."""
+        ...
 
 
 Progress = Callable[[int, float], None]
@@ -121,13 +137,13 @@ class Simulation:
         *,
         progress: Progress | None = None,
         until: int | None = None,
-        pacer: Pacer | None = None,
+        drive: Drive | None = None,
     ) -> Outcome:
         """Run to tick ``until`` (the scenario's end unless given).
 
-        Ctrl-C ends the run early; what was reached has been handed to ``sink`` in any case. With a
-        ``pacer`` the loop runs tick by tick and tells nobody how far it is; the numbers are the
-        same.
+        Ctrl-C ends the run early; what was reached has been handed to ``sink`` in any case.
+        ``drive`` runs the program in place of the loop (``cosim.realtime``) and tells nobody how
+        far it is; the numbers are the same.
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -141,7 +157,7 @@ class Simulation:
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
             with wish_to_stop() as wish:
-                self._loop(end, sink, progress, pacer, wish)
+                self._loop(end, sink, progress, drive, wish)
             interrupted = wish.is_made and self.program.kernel.tick < end
         except KeyboardInterrupt:
             interrupted = True
@@ -244,16 +260,16 @@ class Simulation:
         end: int,
         sink: Sink | None,
         progress: Progress | None,
-        pacer: Pacer | None,
+        drive: Drive | None,
         wish: Wish,
     ) -> None:
         kernel = self.program.kernel
         chunk = FIRST_CHUNK
         told = began = time.perf_counter()
         try:
-            if pacer is not None:
-                paced = PacedLoop(self.program, self._components, self.groups, sink)
-                self._raise_unless_done(paced.run(end, pacer, wish))
+            if drive is not None:
+                stop = drive(self.program, self._components, self.groups, sink, end=end, wish=wish)
+                self._raise_unless_done(stop)
                 return
             while kernel.tick < end and not wish.is_made:
                 first = kernel.tick

@@ -16,8 +16,8 @@ from time import monotonic
 from typing import ClassVar
 
 from cosim.base.errors import InputError
-from hil.device.contract import BusUse, Sample, State, Watchdog
-from hil.device.device import Device
+from hil.device.contract import BusUse, Received, Watchdog
+from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
@@ -51,13 +51,16 @@ PRESET_TOLERANCE = 0.1
 """How far the handle may have moved while its position was preset (rad)."""
 
 
-class CanopenDevice(Device):
+class CanopenDriver(Driver):
     """Two joints on one to three nodes."""
 
     driver = "canopen"
     settings = CanopenSettings
     options = CanopenOptions
     latency_ticks: ClassVar[int] = 0
+    emulator = "hil.drivers.canopen.emulator:make"
+    takes_volts = True
+    found_on = "can"
 
     heartbeat = wire.LAST_NODE
     """The node number of our heartbeat, which the nodes with outputs watch."""
@@ -82,7 +85,7 @@ class CanopenDevice(Device):
 
     # --- setting up ------------------------------------------------------------------------------
 
-    def _open(self) -> None:
+    def open(self) -> None:
         self._settings = given = settings(self.address, self.file, self.tick)
         self._layout, self._drives, self._zero_codes = given.layout, given.drives, given.zero_codes
         self._heartbeat_ms, self._watchdog_ms = given.heartbeat_ms, given.watchdog_ms
@@ -121,6 +124,8 @@ class CanopenDevice(Device):
         self._beat_time = 0.0
         self._forget_positions()
         self._answers: dict[int, SdoAnswer] = {}
+        self._cold = False
+        """Whether all outputs were seen at zero since a torque was last sent."""
 
     def _joined(self) -> CanBus:
         bus = open_bus(self.address, self.pulse)
@@ -148,31 +153,35 @@ class CanopenDevice(Device):
         for node in self._layout.nodes:
             if wire.heartbeat_id(node) in bus.events:
                 raise InputError(f"CANopen node {node} on {bus.name} belongs to another device")
-        others = {each.heartbeat for each in bus.users if isinstance(each, CanopenDevice)}
+        others = {each.heartbeat for each in bus.users if isinstance(each, CanopenDriver)}
         self.heartbeat = next(n for n in range(wire.LAST_NODE, 0, -1) if n not in others)
         if self.heartbeat in self._layout.nodes:
             raise InputError(f"node number {self.heartbeat} is our own heartbeat's; choose another")
 
-    def _serial(self) -> str | None:
+    def serial(self) -> str | None:
         return self._number
 
     # --- every tick ------------------------------------------------------------------------------
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         bus = self._opened()
         bus.collect(self)
-        self._take_answers(bus)
+        confirmed = self._take_answers(bus)
         events = self._nodes.take(bus)
-        self._count_expired(events)
-        if self._running and self.state is not State.FAULT:
-            self._raise(events)
-        raw = self._positions(bus)
-        if raw is None:
-            return None
-        for joint in (0, 1):
-            self._unwrap(joint, raw[joint])
-        self._sequence += 1
-        return sample_of_counts(self.file.joints, (self._units[0], self._units[1]), self._sequence)
+        fired = self._has_expired(events)
+        raw, sample = self._positions(bus), None
+        if raw is not None:
+            for joint in (0, 1):
+                self._unwrap(joint, raw[joint])
+            self._sequence += 1
+            units = self._units[0], self._units[1]
+            sample = sample_of_counts(self.file.joints, units, self._sequence)
+        return Received(
+            sample=sample,
+            zero_confirmed=confirmed,
+            watchdog_fired=fired,
+            error=self._wrong(events) if self._running else None,
+        )
 
     def _positions(self, bus: CanBus) -> dict[int, int] | None:
         """Positions by joint, of this tick's SYNC and nothing else; all of them or none."""
@@ -194,31 +203,26 @@ class CanopenDevice(Device):
         self._units[joint] += wire.step(self._last[joint], raw, self._ranges[joint])
         self._last[joint] = raw
 
-    def _count_expired(self, events: Events) -> None:
-        """One report for the device once every node with outputs has missed our heartbeat."""
+    def _has_expired(self, events: Events) -> bool:
+        """Whether by now every node with outputs has missed our heartbeat."""
         missed = {n for n, report in events.reports.items() if report.code == HEARTBEAT_MISSING}
-        if missed - self._expired:
-            self._expired |= missed
-            self.watchdog_reports += self._expired.issuperset(self._layout.driving)
+        self._expired |= missed
+        return bool(missed) and self._expired.issuperset(self._layout.driving)
 
-    def _raise(self, events: Events) -> None:
-        """A node that is lost un-homes the device; an emergency says what is wrong.
+    def _wrong(self, events: Events) -> DeviceError | None:
+        """A node that is lost un-homes the device; an emergency says what is wrong."""
+        if events.lost is not None:
+            return NodeLost(events.said)
+        return BoardError(events.said) if events.reports else None
 
-        Nodes whose watchdog fired while it is being proved have left Operational, as they should.
-        """
-        proving = self.state is State.INACTIVE and bool(self._expired)
-        if events.lost is not None and not proving:
-            raise NodeLost(events.said)
-        if events.reports:
-            raise BoardError(events.said)
-
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         codes = self._drives[0].encode(torque[0]), self._drives[1].encode(torque[1])
         self._zero_check.forget()
+        self._cold = False
         self._put(codes)
         if self._armed:
             self._since_beat += 1
-            if self._since_beat >= self._beat_ticks or self.state is State.INACTIVE or self._late():
+            if self._since_beat >= self._beat_ticks or self._late():
                 self._beat()
         return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
 
@@ -236,23 +240,28 @@ class CanopenDevice(Device):
             values = [codes[joint] for joint in self._layout.joints_driven(node)]
             self._opened().send(wire.outputs_id(node), wire.outputs(values))
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         """Zero without a heartbeat, so that the nodes' own zero follows; then ask for it back."""
         self._put(self._zero_codes)
-        question = self._zero_check.question(urgent=self.state is State.FAULT)
+        question = self._zero_check.question(urgent=not self._cold)
         if question is not None:
             node, request = question
             self._opened().send(wire.sdo_request_id(node), request)
+        return True
 
-    def _take_answers(self, bus: CanBus) -> None:
+    def _take_answers(self, bus: CanBus) -> bool:
+        """Whether an answer completes a round in which every output was at zero."""
+        confirmed = False
         for node in self._layout.nodes:
             for data in bus.taken(wire.sdo_answer_id(node)):
                 self._answers[node] = answer = wire.sdo_answer(data)
-                self.zeros_confirmed += self._zero_check.take(node, answer)
+                confirmed |= self._zero_check.take(node, answer)
+        self._cold |= confirmed
+        return confirmed
 
     # --- life cycle ------------------------------------------------------------------------------
 
-    def _preset(self, home: Pair) -> None:
+    def set_home(self, home: Pair) -> None:
         """Make positions count from joint angle zero, unless ``settings.preset`` is false."""
         if not self._settings.preset:
             return
@@ -262,15 +271,17 @@ class CanopenDevice(Device):
             wanted = round(joint.direction * angle / joint.quantum)
             self._write(encoder.node, encoder.preset, wanted % span)
         self._forget_positions()
-        shaft = self._fresh_sample().shaft_angle
-        for joint, angle, found in zip(self.file.joints, home, shaft, strict=True):
+        seen = self._sequence
+        self._until(lambda: self._sequence > seen, "its encoders send no positions on SYNC")
+        for joint, angle, units in zip(self.file.joints, home, self._units, strict=True):
+            found = units * joint.quantum
             if abs(found - joint.direction * angle) > PRESET_TOLERANCE:
                 raise DeviceError(
                     f"{self.name} did not take the preset {angle:.4f} rad, it shows "
                     f"{joint.direction * found:.4f} rad"
                 )
 
-    def _enter(self) -> None:
+    def enter(self) -> None:
         """Have the nodes with outputs watch our heartbeat, which begins with the first command."""
         for node in self._layout.driving:
             entry = Object(Index.HEARTBEAT_CONSUMER, 1, 4)
@@ -280,7 +291,7 @@ class CanopenDevice(Device):
                 raise ActivationRefused(f"CANopen node {node} does not watch our heartbeat")
         self._armed, self._since_beat = True, self._beat_ticks
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
         """Nobody has to watch a heartbeat that is about to end; who missed one starts again."""
         if not self._armed:
             return
@@ -294,11 +305,11 @@ class CanopenDevice(Device):
         self._until(lambda: self._nodes.all_operational, "its nodes do not start again")
         self._expired.clear()
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
         self._opened().take_over()
         self._begin()
 
-    def _close(self) -> None:
+    def close(self) -> None:
         bus, self._bus = self._bus, None
         if bus is None:
             return
@@ -340,7 +351,7 @@ class CanopenDevice(Device):
 
     def _until(self, done: Callable[[], bool], otherwise: str) -> None:
         for _ in range(SETUP_TICKS):
-            self._receive()
+            self.receive()
             if done():
                 return
             self.pause()

@@ -11,6 +11,7 @@ from hil.drivers.canopen.emulated_local import Wire
 from hil.drivers.canopen.emulated_node import Axes, Node
 from hil.emulation.board import Board, Frame, Unit
 from hil.emulation.faults import FaultKind
+from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
 
 SYNC = 0x080
@@ -128,3 +129,12 @@ class CanopenBoard(Board):
             for channel, joint in node.its.outputs.items():
                 torque[joint] = node.driven[channel] * TORQUE_PER_CODE
         self.world.torque = (torque[0], torque[1])
+
+
+def make(order: Order, world: World) -> Made:
+    """One to three nodes on a CAN link."""
+    options = {**order.options, "nodes": tuple(order.options.get("nodes", (1,)))}
+    board = CanopenBoard(world, tick=order.tick, **options)
+    found, link, url = on_can("canopen", order, board, board.owns)
+    joined = "&" if "?" in url else "?"
+    return found, link, f"{url}{joined}nodes={','.join(str(node) for node in options['nodes'])}"

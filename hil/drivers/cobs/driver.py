@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import ClassVar
 
 from cosim.base.errors import InputError
-from hil.device.contract import ZERO, Sample, State, Watchdog
-from hil.device.device import Device
+from hil.device.contract import NOTHING, ZERO, Received, Watchdog
+from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError
 from hil.drivers.cobs.protocol import CommandFlag, Reply, ReplyFlag, Splitter, command, reply
-from hil.drivers.samples import sample_of_counts
+from hil.drivers.samples import WrappingClock, sample_of_counts
 from hil.safety.conversion import TorqueDrive
 from hil.safety.limits import HOLD_TICKS
 from hil.safety.linkage import Pair
@@ -23,13 +23,15 @@ WATCHDOG_MS = 20
 ANSWER_TRIES = 50
 
 
-class CobsDevice(Device):
+class CobsDriver(Driver):
     """Two axes that take torque as a float and answer with encoder counts."""
 
     driver = "cobs"
     options = SerialOptions
     latency_ticks: ClassVar[int] = 1
     has_input: ClassVar[bool] = True
+    emulator = "hil.drivers.cobs.emulator:make"
+    found_on = "serial"
 
     _port: SerialPort | None = None
 
@@ -39,70 +41,77 @@ class CobsDevice(Device):
         timeout = WATCHDOG_MS * 1e-3
         return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 
-    def _open(self) -> None:
+    def open(self) -> None:
         self._port = SerialPort(self.address, self.pulse, self.number)
         self._splitter, self._sequence, self._flags = Splitter(), 0, CommandFlag.CLEAR
-        self._newest: Reply | None = None
-        self._seen = 0
+        self._seen, self._hot, self._entered = 0, 0, False
+        self._clock = WrappingClock()
         for _ in range(ANSWER_TRIES):
-            self._send_zero()
+            self.send_zero()
             self.pause()
-            if self._receive() is not None:
+            if self.receive().sample is not None:
                 return
         raise DeviceError(f"no board answers at {self.address.place}")
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         port = self._opened()
         port.exchange_done()
         newest: Reply | None = None
         for body in self._splitter.feed(port.read()):
             newest = reply(body) or newest
         if newest is None:
-            return None
-        behind = (self._sequence - newest.sequence) & 0xFFFF
-        self._check(newest)
-        if behind > HOLD_TICKS:
-            return None  # an answer from long ago (or to nobody's question) is no new sample
-        self._seen += 1
-        return sample_of_counts(
-            self.file.joints, newest.count, self._seen, device_time=newest.microseconds * 1e-6
+            return NOTHING
+        status = newest.status
+        sample = None
+        if (self._sequence - newest.sequence) & 0xFFFF <= HOLD_TICKS:
+            # Older, or to nobody's question, it is no new sample.
+            self._seen += 1
+            sample = sample_of_counts(self.file.joints, newest.count, self._seen)
+        wrong = self._entered and bool(status & ReplyFlag.FAULT)
+        return Received(
+            sample=sample,
+            zero_confirmed=bool(status & ReplyFlag.ZERO) and self._is_after_torque(newest),
+            watchdog_fired=bool(status & ReplyFlag.WATCHDOG_FIRED),
+            enabled=bool(status & ReplyFlag.ENABLED),
+            input_held=bool(status & ReplyFlag.INPUT),
+            device_time=self._clock.seconds(newest.microseconds),
+            error=BoardError(f"the board reports {status!r}") if wrong else None,
         )
 
-    def _check(self, newest: Reply) -> None:
-        if newest.status & ReplyFlag.ZERO and not newest.status & ReplyFlag.ENABLED:
-            self.zeros_confirmed += 1
-        self.input_held = bool(newest.status & ReplyFlag.INPUT)
-        self.watchdog_reports += bool(newest.status & ReplyFlag.WATCHDOG_FIRED)
-        if self.state is not State.ACTIVE:
-            return
-        if newest.status & (ReplyFlag.WATCHDOG_FIRED | ReplyFlag.FAULT):
-            raise BoardError(f"the board reports {newest.status!r}")
+    def _is_after_torque(self, newest: Reply) -> bool:
+        """Whether it answers something that was sent after the last torque that was not zero."""
+        return 0 < (newest.sequence - self._hot) & 0xFFFF < 0x8000
 
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         drives = [_drive(joint.drive) for joint in self.file.joints]
         codes = (drives[0].encode(torque[0]), drives[1].encode(torque[1]))
         self._put(CommandFlag.ENABLE, codes)
+        if codes != ZERO:
+            self._hot = self._sequence
         return drives[0].decode(codes[0]), drives[1].decode(codes[1])
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         """Zero, and the output stage off; a zero byte first ends whatever was half sent."""
+        self._entered = False
         self._put(self._flags, ZERO)
+        return True
 
     def _put(self, flags: CommandFlag, codes: Pair) -> None:
         self._sequence = (self._sequence + 1) & 0xFFFF
         self._opened().write(command(flags, self._sequence, codes, WATCHDOG_MS))
 
-    def _enter(self) -> None:
+    def enter(self) -> None:
+        self._entered = True
         self._put(CommandFlag.CLEAR | CommandFlag.ENABLE, ZERO)
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
         self._opened().take_over()
         self._splitter = Splitter()
 
-    def _recover(self) -> None:
+    def recover(self) -> None:
         self._opened().write(b"\0")
 
-    def _close(self) -> None:
+    def close(self) -> None:
         if self._port is not None:
             self._port.close()
             self._port = None

@@ -12,6 +12,8 @@ import struct
 from hil.device.contract import ZERO
 from hil.drivers.cobs.protocol import COMMAND, REPLY, CommandFlag, ReplyFlag, Splitter, frame
 from hil.emulation.board import Board, Unit
+from hil.emulation.launch import Made, Order
+from hil.emulation.links import PtyLink
 from hil.emulation.world import World
 
 LONGEST_WATCHDOG_MS = 100
@@ -145,3 +147,10 @@ class FirmwareBoard(Board):
 
     def _drive(self) -> None:
         self.world.torque = (float(self._device.torque[0]), float(self._device.torque[1]))
+
+
+def make(order: Order, world: World) -> Made:
+    """A board on a pseudo-terminal; with the option ``firmware``, the C reference."""
+    link = PtyLink()
+    kind = FirmwareBoard if "firmware" in order.options else CobsBoard
+    return kind(world, tick=order.tick, **order.options), link, f"cobs://{link.path}"

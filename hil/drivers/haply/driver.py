@@ -14,8 +14,8 @@ from pydantic import Field
 
 from cosim.base.errors import InputError
 from cosim.base.form import QuantityIn
-from hil.device.contract import ZERO, Sample
-from hil.device.device import Device
+from hil.device.contract import NOTHING, ZERO, Received, Sample
+from hil.device.driver import Driver
 from hil.device.errors import ProtocolError
 from hil.drivers.haply.protocol import IO_BYTES, REPLY_BYTES, Axis, angles, reset, setup, torques
 from hil.safety.conversion import TorqueDrive
@@ -55,17 +55,20 @@ class HaplySettings(DriverSettings):
     ] = Field(default=DEVICE, description="The board's number.")
 
 
-class HaplyDevice(Device):
+class HaplyDriver(Driver):
     """Two axes on a serial port."""
 
     driver = "haply"
     settings = HaplySettings
     options = HaplyOptions
     latency_ticks: ClassVar[int] = 1
+    emulator = "hil.drivers.haply.emulator:make"
+    preset = "haply"
+    found_on = "serial"
 
     _port: SerialPort | None = None
 
-    def _open(self) -> None:
+    def open(self) -> None:
         given = self.file.settings_of(HaplySettings)
         ports = read_options(HaplyOptions, self.address).ports or given.ports
         rotation = given.rotation
@@ -78,7 +81,7 @@ class HaplyDevice(Device):
         self._set_up(ZERO)
         self._exchange_zero()
 
-    def _preset(self, home: Pair) -> None:
+    def set_home(self, home: Pair) -> None:
         """Preset the counts: the shaft stands at the home pose now."""
         shaft = [
             joint.direction * (angle - joint.offset)
@@ -106,27 +109,27 @@ class HaplyDevice(Device):
 
     def _exchange_zero(self) -> None:
         """The first answer, waited for."""
-        self._send_zero()
+        self.send_zero()
         reply = self._opened().wait(REPLY_BYTES, ANSWER_SECONDS)
         if not reply:
             raise ProtocolError(f"no Haply answers at {self.address.place}")
         angles(self._number, self._axes, reply)
         self._outstanding = 0
-        self.zeros_confirmed += 1
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         port = self._opened()
         port.exchange_done()
         self._reply += port.read(REPLY_BYTES * 4)
         if self._recovering is not None:
-            return self._align()
+            self._align()
+            return NOTHING
         if self._outstanding and len(self._reply) < REPLY_BYTES:
             self._outstanding += 1
             if self._outstanding > OUTSTANDING_TICKS:
                 raise self._out_of_step(f"no whole answer for {OUTSTANDING_TICKS} ticks")
-            return None
+            return NOTHING
         if not self._reply:
-            return None
+            return NOTHING
         if not self._outstanding or len(self._reply) > REPLY_BYTES:
             raise self._odd_answer("bytes came that nobody asked for")
         try:
@@ -135,17 +138,18 @@ class HaplyDevice(Device):
             raise self._odd_answer(str(error)) from None
         self._reply = b""
         self._outstanding = 0
-        self.zeros_confirmed += self._zero_asked
         self._sequence += 1
         first, second = (
             round(angle / 360.0 * axis.counts_per_turn)
             for angle, axis in zip(found, self._axes, strict=True)
         )
-        return Sample(
+        sample = Sample(
             shaft_angle=(radians(found[0]), radians(found[1])),
             count=(first, second),
             sequence=self._sequence,
         )
+        # One answer is outstanding at most, so this one is to the last torque.
+        return Received(sample=sample, zero_confirmed=self._zero_asked)
 
     def _out_of_step(self, what: str) -> ProtocolError:
         self._recovering, self._reply = 0, b""
@@ -165,7 +169,7 @@ class HaplyDevice(Device):
         if len(self._reply) >= REPLY_BYTES or self._recovering == IO_BYTES:
             self._set_up(ZERO)
 
-    def _send(self, tick: int, torque: Pair) -> Pair | None:
+    def send(self, torque: Pair) -> Pair | None:
         if self._outstanding or self._recovering is not None:
             return None
         drives = [_drive(joint.drive) for joint in self.file.joints]
@@ -175,7 +179,7 @@ class HaplyDevice(Device):
         self._outstanding = 1
         return drives[0].decode(codes[0]), drives[1].decode(codes[1])
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         """Zero; after an odd answer one byte a tick first, until both sides are aligned again.
 
         Zero bytes complete a torque frame that the board may be waiting for with torques of
@@ -183,19 +187,19 @@ class HaplyDevice(Device):
         tells that both sides are aligned. Where no frame was open, they are harmless resets.
         """
         if self._recovering is None:
-            self._send(0, ZERO)
-        else:
-            self._opened().write(b"\0")
-            self._recovering += 1
+            return self.send(ZERO) is not None
+        self._opened().write(b"\0")
+        self._recovering += 1
+        return False
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
         self._outstanding, self._recovering, self._reply = 0, None, b""
         self._opened().take_over()
 
-    def _recover(self) -> None:
+    def recover(self) -> None:
         self._recovering, self._reply = 0, b""
 
-    def _close(self) -> None:
+    def close(self) -> None:
         if self._port is not None:
             self._port.close()
             self._port = None

@@ -7,6 +7,8 @@ from math import degrees, isfinite, pi
 
 from hil.drivers.haply.protocol import IO, PORTS, RESET, SETUP
 from hil.emulation.board import Board, Unit
+from hil.emulation.launch import Made, Order
+from hil.emulation.links import PtyLink
 from hil.emulation.world import World
 from hil.safety.linkage import Pair
 
@@ -99,3 +101,9 @@ class HaplyBoard(Board):
                     turned = (round(now / quantum) - round(start[joint] / quantum)) * quantum
             angles.append(offset + degrees(turned))
         return struct.pack(f"<B{len(angles)}f", device, *angles)
+
+
+def make(_: Order, world: World) -> Made:
+    """A board on a pseudo-terminal."""
+    link = PtyLink()
+    return HaplyBoard(world), link, f"haply://{link.path}"

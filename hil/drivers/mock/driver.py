@@ -5,20 +5,21 @@ from __future__ import annotations
 from math import pi
 from typing import Any, ClassVar
 
-from hil.device.contract import ZERO, Sample, Watchdog
-from hil.device.device import Device
+from hil.device.contract import ZERO, Received, Sample, Watchdog
+from hil.device.driver import Driver
 from hil.emulation.plant import Body, SimulatedPantograph
 from hil.safety.linkage import Pair
 from hil.setup.device_file import PRESETS
 
 
-class MockDevice(Device):
+class MockDriver(Driver):
     """A pantograph without a wire: what it measures at a tick is there at that tick."""
 
     driver = "mock"
     in_process: ClassVar[bool] = True
     tested_on_hardware: ClassVar[bool] = True
 
+    _zero = False
     body: Body | None = None
     """What to move instead of the simulated pantograph (tests)."""
 
@@ -27,12 +28,12 @@ class MockDevice(Device):
         """It cannot outlive its host."""
         return Watchdog(timeout=self.tick, verified=True)
 
-    def _open(self) -> None:
+    def open(self) -> None:
         if self.body is None:
             self.body = SimulatedPantograph(self._model_parameters(), step=self.tick)
-        self._sequence = 0
+        self._sequence, self._zero = 0, False
 
-    def _receive(self) -> Sample:
+    def receive(self) -> Received:
         assert self.body is not None
         angle = self.body.angle()
         shaft: list[float] = []
@@ -43,22 +44,26 @@ class MockDevice(Device):
             count.append(round(turned * per))
             shaft.append(count[-1] / per)
         self._sequence += 1
-        return Sample(
+        sample = Sample(
             shaft_angle=(shaft[0], shaft[1]), count=(count[0], count[1]), sequence=self._sequence
         )
+        return Received(sample=sample, zero_confirmed=self._zero)
 
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         assert self.body is not None
         sent: list[float] = []
         for index, joint in enumerate(self.file.joints):
             sent.append(joint.drive.sendable(torque[index]))
         applied = (sent[0], sent[1])
         self.body.step(applied)
-        if applied == ZERO:
-            self.zeros_confirmed += 1
+        self._zero = applied == ZERO
         return applied
 
-    def _close(self) -> None:
+    def send_zero(self) -> bool:
+        self.send(ZERO)
+        return True
+
+    def close(self) -> None:
         if self.body is not None:
             self.body.close()
             self.body = None

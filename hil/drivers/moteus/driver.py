@@ -19,8 +19,8 @@ from pydantic import Field
 
 from cosim.base.errors import InputError
 from cosim.base.form import QuantityIn
-from hil.device.contract import ZERO, Sample, State, Watchdog
-from hil.device.device import Device
+from hil.device.contract import NOTHING, ZERO, Received, Watchdog
+from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError, DeviceGone, ProtocolError
 from hil.drivers.samples import sample_of_turns
 from hil.safety.conversion import TorqueDrive
@@ -49,7 +49,7 @@ class MoteusOptions(UrlOptions):
     ] = Field(default=ANSWER_SECONDS, description="How long the bus may take (s).")
 
 
-class MoteusDevice(Device):
+class MoteusDriver(Driver):
     """Two axes in turns and N.m."""
 
     driver = "moteus"
@@ -60,13 +60,14 @@ class MoteusDevice(Device):
     _transport: Any = None
     _loop: asyncio.AbstractEventLoop | None = None
     _proved: bool = False
+    _entered: bool = False
 
     @property
     def watchdog(self) -> Watchdog:
         """In every torque command; verified once the servos were seen to stop by themselves."""
         return Watchdog(timeout=self._timeout if self._proved else None, verified=self._proved)
 
-    def _open(self) -> None:
+    def open(self) -> None:
         self._moteus = vendor("moteus", driver=self.driver, install=INSTALL)
         self._timeout = self.file.settings_of(VendorSettings).timeout
         given = read_options(MoteusOptions, self.address)
@@ -87,8 +88,8 @@ class MoteusDevice(Device):
             self._moteus.Controller(id=each, transport=self._transport) for each in self._ids
         ]
         for _ in range(TRIES):
-            self._send_zero()
-            if self._receive() is not None and set(self._modes.values()) == {STOPPED}:
+            self.send_zero()
+            if self.receive().sample is not None and set(self._modes.values()) == {STOPPED}:
                 break
             self.pause()
         else:
@@ -114,41 +115,44 @@ class MoteusDevice(Device):
             )
             if answer is None or answer.strip() != b"0":
                 return
-        self._send(0, ZERO)
+        self.send(ZERO)
 
         def expired() -> bool:
-            self._receive()
+            self.receive()
             return set(self._modes.values()) == {TIMEOUT}
 
         self._proved = fires(expired, self.pause, self._timeout / self.tick)
-        self._send_zero()
+        self.send_zero()
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         results = self._run(
             self._transport.cycle([axis.make_query() for axis in self._axes]), self._budget
         )
         found = {result.id: result.values for result in results or ()}
         if not all(each in found for each in self._ids):
-            return None
+            return NOTHING
         register = self._moteus.Register
         turns: list[float] = []
+        wrong: BoardError | None = None
         for each in self._ids:
             values = found[each]
             turns.append(float(values[register.POSITION]))
             self._modes[each] = int(values[register.MODE])
-            if self.state is State.ACTIVE and self._modes[each] != POSITION:
-                raise BoardError(
+            if self._entered and self._modes[each] != POSITION:
+                wrong = BoardError(
                     f"moteus {each} left position mode: it is in mode {self._modes[each]}, "
                     f"fault {int(values.get(register.FAULT, 0))}"
                 )
         if not all(isfinite(turn) for turn in turns):
             raise ProtocolError("a moteus reports a position that is no number")
-        if set(self._modes.values()) == {STOPPED}:
-            self.zeros_confirmed += 1
         self._sequence += 1
-        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
+        return Received(
+            sample=sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence),
+            zero_confirmed=set(self._modes.values()) == {STOPPED},
+            error=wrong,
+        )
 
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         commands: list[Any] = []
         sent: list[float] = []
         for axis, joint, value in zip(self._axes, self.file.joints, torque, strict=True):
@@ -171,25 +175,28 @@ class MoteusDevice(Device):
         self._put(commands)
         return sent[0], sent[1]
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         """Stopped is without torque, and the only way out of a timeout."""
+        self._entered = False
         self._put([axis.make_stop() for axis in self._axes])
+        return True
 
     def _put(self, commands: list[Any]) -> None:
         if self._run(self._transport.cycle(commands), self._budget) is None:
             raise DeviceGone("the bus does not take a command")
 
-    def _enter(self) -> None:
+    def enter(self) -> None:
         for _ in range(TRIES):
-            self._send(0, ZERO)
-            self._receive()
+            self.send(ZERO)
+            self.receive()
             if set(self._modes.values()) == {POSITION}:
+                self._entered = True
                 return
             self.pause()
         raise DeviceError(f"{self.name}: a controller does not enter position mode")
 
-    def _leave(self) -> None:
-        self._send_zero()
+    def leave(self) -> None:
+        self.send_zero()
 
     def _run(self, call: Coroutine[Any, Any, Any], seconds: float) -> Any:
         """What the package answers; ``None`` where nothing came in time."""
@@ -201,7 +208,7 @@ class MoteusDevice(Device):
         except Exception as error:  # the package has errors of its own and those of two buses
             raise DeviceGone(f"the bus is gone: {type(error).__name__}: {error}") from error
 
-    def _close(self) -> None:
+    def close(self) -> None:
         transport, self._transport = self._transport, None
         loop, self._loop = self._loop, None
         if loop is None:

@@ -14,9 +14,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from cosim.base.errors import InputError
-from hil.device.contract import Sample, State
-from hil.device.errors import BoardError, DeviceGone
-from hil.drivers.card import CardDevice
+from hil.device.contract import Received
+from hil.device.errors import DeviceGone
+from hil.drivers.card import CardDriver
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
 from hil.setup.options import IntegersIn, UrlOptions, read_options
@@ -40,7 +40,7 @@ class NidaqmxOptions(UrlOptions):
     outputs: Channels = Field(default=(0, 1), description="N of the two outputs' `aoN`.")
 
 
-class NidaqmxDevice(CardDevice):
+class NidaqmxDriver(CardDriver):
     """Two counters and two outputs of a card."""
 
     driver = "nidaqmx"
@@ -50,7 +50,7 @@ class NidaqmxDevice(CardDevice):
     _output: Any = None
     _guard_task: Any = None
 
-    def _open(self) -> None:
+    def open(self) -> None:
         if not self.address.place:
             raise InputError(f"'{self.address.url}' does not name a card: write nidaqmx://Dev1")
         self._ni = vendor("nidaqmx", driver=self.driver, install=INSTALL)
@@ -114,15 +114,16 @@ class NidaqmxDevice(CardDevice):
         except self._error:
             self._guard_task, self._proved = None, False
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         try:
             first, second = (round(task.read(timeout=READ_SECONDS)) for task in self._counters)
         except self._error as error:
             raise DeviceGone(f"the card does not answer: {error}") from error
         self._sequence += 1
-        return sample_of_counts(self.file.joints, (first, second), self._sequence)
+        sample = sample_of_counts(self.file.joints, (first, second), self._sequence)
+        return Received(sample=sample, zero_confirmed=self._zero)
 
-    def _put(self, voltage: Pair) -> None:
+    def _put(self, voltage: Pair) -> bool:
         try:
             self._write(voltage)
             expired = False
@@ -131,13 +132,12 @@ class NidaqmxDevice(CardDevice):
                 self._guard_task.reset_timer()
         except self._error as error:
             raise DeviceGone(f"the card takes no output: {error}") from error
-        if expired and self.state is not State.FAULT:
-            raise BoardError("the card's watchdog has expired")
+        return not expired
 
     def _write(self, voltage: Pair) -> None:
         self._output.write(list(voltage), auto_start=True, timeout=READ_SECONDS)
 
-    def _close(self) -> None:
+    def close(self) -> None:
         self._output = self._guard_task = None
         while getattr(self, "_tasks", None):
             self._tasks.pop().close()

@@ -8,6 +8,7 @@ Axis heartbeats have to come at least every 10 ms (``heartbeat_msg_rate_ms``), e
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 from typing import Annotated, ClassVar
 
@@ -15,8 +16,8 @@ from pydantic import Field, model_validator
 
 from cosim.base.errors import InputError
 from cosim.base.form import Form, QuantityIn, problem
-from hil.device.contract import ZERO, BusUse, Sample, State, Watchdog
-from hil.device.device import Device
+from hil.device.contract import ZERO, BusUse, Received, Sample, Watchdog
+from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError
 from hil.drivers.odrive import protocol as wire
 from hil.drivers.odrive.protocol import Command, identifier
@@ -83,13 +84,15 @@ class OdriveSettings(DriverSettings):
     watchdog: OdriveWatchdog = Field(default=OdriveWatchdog(), description="The axes' watchdog.")
 
 
-class OdriveDevice(Device):
+class OdriveDriver(Driver):
     """Two axes in torque mode."""
 
     driver = "odrive"
     settings = OdriveSettings
     options = OdriveOptions
     latency_ticks: ClassVar[int] = 1
+    emulator = "hil.drivers.odrive.emulator:make"
+    found_on = "can"
 
     _bus: CanBus | None = None
 
@@ -107,7 +110,7 @@ class OdriveDevice(Device):
             return Watchdog()
         return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 
-    def _open(self) -> None:
+    def open(self) -> None:
         self._nodes = read_options(OdriveOptions, self.address).nodes
         self._seen = dict.fromkeys(self._nodes, 0)
         self._beats = dict.fromkeys(self._nodes, 0)
@@ -142,10 +145,13 @@ class OdriveDevice(Device):
             if endpoint is not None:
                 self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(endpoint, value))
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         bus = self._opened()
         bus.collect(self)
-        self._take_heartbeats(bus)
+        told = self._take_heartbeats(bus)
+        return replace(told, sample=self._sample(bus))
+
+    def _sample(self, bus: CanBus) -> Sample | None:
         frames = [bus.latest(identifier(node, Command.ESTIMATES)) for node in self._nodes]
         if any(
             frame is None or frame[0] == self._seen[node]
@@ -160,8 +166,10 @@ class OdriveDevice(Device):
         self._sequence += 1
         return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
 
-    def _take_heartbeats(self, bus: CanBus) -> None:
-        fresh = 0
+    def _take_heartbeats(self, bus: CanBus) -> Received:
+        """What the axes say of themselves."""
+        fresh, fired = 0, False
+        wrong: BoardError | None = None
         for node in self._nodes:
             frame = bus.latest(identifier(node, Command.HEARTBEAT))
             if frame is None or frame[0] == self._beats[node]:
@@ -169,25 +177,29 @@ class OdriveDevice(Device):
             self._beats[node] = frame[0]
             error, self._states[node] = wire.heartbeat(frame[1])
             fresh += 1
-            self._count_expired(node, error)
+            fired |= self._has_expired(node, error)
             if not self._closed:
                 error &= ~wire.WATCHDOG_EXPIRED  # an idle axis that nobody talks to; it is cleared
-            if error and self.state is not State.FAULT:
-                raise BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
-            if self._closed and self._states[node] != wire.CLOSED_LOOP:
-                raise BoardError(f"ODrive axis {node} left closed loop")
-        if fresh and self._all_idle():
-            self.zeros_confirmed += 1
+            if error:
+                wrong = BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
+            elif self._closed and self._states[node] != wire.CLOSED_LOOP:
+                wrong = BoardError(f"ODrive axis {node} left closed loop")
+        return Received(
+            # Out of closed loop nobody sends a torque, so an idle axis is one at zero.
+            zero_confirmed=bool(fresh) and not self._closed and self._all_idle(),
+            watchdog_fired=fired,
+            error=wrong,
+        )
 
-    def _count_expired(self, node: int, error: int) -> None:
-        """One report for the device once the watchdogs of both axes have fired in closed loop."""
+    def _has_expired(self, node: int, error: int) -> bool:
+        """Whether by now the watchdogs of both axes have fired in closed loop."""
         if not (self._closed and error & wire.WATCHDOG_EXPIRED):
             self._expired.discard(node)
-        elif node not in self._expired:
-            self._expired.add(node)
-            self.watchdog_reports += len(self._expired) == len(self._nodes)
+            return False
+        self._expired.add(node)
+        return len(self._expired) == len(self._nodes)
 
-    def _send(self, tick: int, torque: Pair) -> Pair:
+    def send(self, torque: Pair) -> Pair:
         sent: list[float] = []
         for node, joint, value in zip(self._nodes, self.file.joints, torque, strict=True):
             drive = joint.drive
@@ -198,15 +210,16 @@ class OdriveDevice(Device):
             sent.append(drive.decode(code))
         return sent[0], sent[1]
 
-    def _send_zero(self) -> None:
+    def send_zero(self) -> bool:
         """Zero, then idle; silence afterwards, because any frame would feed the watchdog."""
         self._closed = False
         for node in self._nodes:
             if self._states[node] != wire.IDLE:
                 self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
                 self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+        return True
 
-    def _enter(self) -> None:
+    def enter(self) -> None:
         for node in self._nodes:
             self._to(node, Command.CLEAR_ERRORS)
             self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
@@ -214,18 +227,18 @@ class OdriveDevice(Device):
         self._until(
             lambda: set(self._states.values()) == {wire.CLOSED_LOOP},
             "its axes do not enter closed loop (are they calibrated?)",
-            keep=lambda: self._send(0, ZERO),
+            keep=lambda: self.send(ZERO),
         )
         self._closed = True
 
-    def _leave(self) -> None:
-        self._send_zero()
+    def leave(self) -> None:
+        self.send_zero()
 
-    def _take_over(self) -> None:
+    def take_over(self) -> None:
         self._states = dict.fromkeys(self._nodes, 0)
         self._opened().take_over()
 
-    def _close(self) -> None:
+    def close(self) -> None:
         if self._bus is not None:
             self._bus.leave(self)
             self._bus = None
@@ -234,7 +247,9 @@ class OdriveDevice(Device):
         self, done: Callable[[], bool], otherwise: str, keep: Callable[[], object] | None = None
     ) -> None:
         for _ in range(WAIT_TICKS):
-            self._receive()
+            told = self.receive()
+            if told.error is not None:
+                raise told.error
             if done():
                 return
             if keep is not None:

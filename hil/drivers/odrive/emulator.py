@@ -16,6 +16,7 @@ from hil.drivers.odrive.protocol import (
     identifier,
 )
 from hil.emulation.board import Board, Frame, Unit
+from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
 
 HEARTBEAT_TICKS = 10
@@ -147,3 +148,9 @@ class OdriveBoard(Board):
                 Frame(identifier(node, Command.ESTIMATES), struct.pack("<ff", turns, 0.0))
             )
         return frames
+
+
+def make(order: Order, world: World) -> Made:
+    """Two axes on a CAN link."""
+    board = OdriveBoard(world, tick=order.tick, **order.options)
+    return on_can("odrive", order, board, board.owns)

@@ -16,9 +16,9 @@ from pydantic import Field
 
 from cosim.base.errors import InputError
 from cosim.base.form import QuantityIn
-from hil.device.contract import Sample, State
-from hil.device.errors import BoardError, DeviceGone
-from hil.drivers.card import CardDevice
+from hil.device.contract import Received
+from hil.device.errors import DeviceGone
+from hil.drivers.card import CardDriver
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
 from hil.setup.options import IntegersIn, UrlOptions, read_options
@@ -51,7 +51,7 @@ class QuanserSettings(VendorSettings):
     )
 
 
-class QuanserDevice(CardDevice):
+class QuanserDriver(CardDriver):
     """Two encoders and two outputs of a card."""
 
     driver = "quanser"
@@ -60,7 +60,7 @@ class QuanserDevice(CardDevice):
 
     _card: Any = None
 
-    def _open(self) -> None:
+    def open(self) -> None:
         self._module = vendor("quanser.hardware", driver=self.driver, install=INSTALL)
         kind, _, identifier = self.address.place.partition("/")
         if not kind:
@@ -98,28 +98,28 @@ class QuanserDevice(CardDevice):
         except self._module.HILError:
             self._proved = False
 
-    def _receive(self) -> Sample | None:
+    def receive(self) -> Received:
         try:
             self._card.read_encoder(self._encoders, 2, self._counts)
         except self._module.HILError as error:
             raise DeviceGone(f"the card does not answer: {_message(error)}") from error
         first, second = self._counts
         self._sequence += 1
-        return sample_of_counts(self.file.joints, (first, second), self._sequence)
+        sample = sample_of_counts(self.file.joints, (first, second), self._sequence)
+        return Received(sample=sample, zero_confirmed=self._zero)
 
-    def _put(self, voltage: Pair) -> None:
+    def _put(self, voltage: Pair) -> bool:
         try:
             self._write(voltage)
             alive = not self._proved or self._card.watchdog_reload()
         except self._module.HILError as error:
             raise DeviceGone(f"the card takes no output: {_message(error)}") from error
-        if not alive and self.state is not State.FAULT:
-            raise BoardError("the card's watchdog has expired")
+        return bool(alive)
 
     def _write(self, voltage: Pair) -> None:
         self._card.write_analog(self._outputs, 2, array("d", voltage))
 
-    def _close(self) -> None:
+    def close(self) -> None:
         if self._card is not None:
             card, self._card = self._card, None
             try:

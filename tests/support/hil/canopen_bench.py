@@ -12,7 +12,8 @@ from fractions import Fraction
 
 import can
 
-from hil.drivers.canopen.driver import CanopenDevice
+from hil.device.device import Device
+from hil.drivers.canopen.driver import CanopenDriver
 from hil.drivers.canopen.emulator import CanopenBoard
 from hil.emulation.board import Frame
 from hil.emulation.world import World
@@ -54,7 +55,7 @@ class Wire:
         self.seen: list[Frame] = []
         self.deaf: set[int] = set()
         """Nodes whose frames are lost."""
-        self._devices: list[CanopenDevice] = []
+        self._devices: list[Device] = []
         self._bus = can.Bus(interface="virtual", channel=self.channel)
         self._other = can.Bus(interface="virtual", channel=self.channel)
         self._end = threading.Event()
@@ -64,14 +65,14 @@ class Wire:
     def node(self, number: int):
         return next(board._nodes[number] for board in self.boards if number in board._nodes)
 
-    def device(self, nodes: str = "1", **document) -> CanopenDevice:
+    def device(self, nodes: str = "1", **document) -> Device:
         """A device that waits for its answers however long the thread takes."""
         url = f"canopen+virtual://{self.channel}?nodes={nodes}&budget=120"
         settings = {"timeout": 120, **document.pop("settings", {})}
         file = parse_file(
             {"driver": "canopen", "home": list(REST), "settings": settings, **document}
         )
-        made = CanopenDevice(parse(url), file, tick=TICK)
+        made = Device(CanopenDriver, parse(url), file, tick=TICK)
         self._devices.append(made)
         return made
 
@@ -110,7 +111,7 @@ class Wire:
                         )
 
 
-def run(device: CanopenDevice, ticks: int, start: int = 0):
+def run(device: Device, ticks: int, start: int = 0):
     """Exchange zeros; the last measurement."""
     measured = None
     for tick in range(start, start + ticks):
@@ -119,7 +120,7 @@ def run(device: CanopenDevice, ticks: int, start: int = 0):
     return measured
 
 
-def ready(device: CanopenDevice) -> CanopenDevice:
+def ready(device: Device) -> Device:
     """Configured, homed and active; its output is dry."""
     device.configure()
     device.home()

@@ -143,7 +143,7 @@ class Bench:
         kind = find(SETUPS[name].get("driver", name))
         file = SETUPS[name]["file"] if file is None else file
         document = {"driver": kind.driver, "home": list(emulator.home), **file}
-        device = kind(parse(emulator.url), parse_file(document), tick=TICK, **options)
+        device = Device(kind, parse(emulator.url), parse_file(document), tick=TICK, **options)
         if output:
             device.permission = emulated(emulator.url, None)
         self._open.append(device)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from hil.realtime.session import Session, begin
+from hil.setup.session import Session, begin
 from tests.support.hil.driver_bench import Bench, Rig
 
 multiprocessing.set_forkserver_preload(["hil.emulation.launch", "fmpy.fmi3", "can"])

@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from hil.device.contract import State
-from hil.drivers.mock.driver import MockDevice
+from hil.device.device import Device
+from hil.drivers.mock.driver import MockDriver
 from hil.safety.linkage import Linkage, Pair
 from hil.safety.permission import Permission, emulated
 from hil.setup.address import parse
@@ -43,20 +44,21 @@ class Puppet:
 
 def mock(
     puppet: Puppet, *, output: bool = True, file: DeviceFile | None = None, **options
-) -> MockDevice:
+) -> Device:
     """A mock device on a puppet; configured by the caller."""
-    device = MockDevice(
+    device = Device(
+        MockDriver,
         parse("mock://"),
         file or default("mock"),
         tick=TICK,
         permission=ALLOWED if output else None,
         **options,
     )
-    device.body = puppet
+    device.driver.body = puppet
     return device
 
 
-def rested(device: MockDevice, ticks: int = 40) -> MockDevice:
+def rested(device: Device, ticks: int = 40) -> Device:
     """Configured, homed and seen at rest: ready to be activated."""
     device.configure()
     device.home()

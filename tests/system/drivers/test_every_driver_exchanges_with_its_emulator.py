@@ -38,7 +38,7 @@ def test_angles_and_torques_pass_the_wire(rig: Rig):
 def test_what_is_measured_is_the_model_with_the_declared_latency_and_resolution(rig: Rig):
     """The torques that were sent, given to the same model here, explain every measured angle."""
     device = rig.device
-    setup = SETUPS[device.driver]
+    setup = SETUPS[device.driver.driver]
     exchanged = rig.exchange(1500, lambda tick, _: (0.03 * sin(tick / 40), 0.02) if tick else ZERO)
     assert device.state is State.ACTIVE, device.fault_sentence()
     twin = SimulatedPantograph(setup["parameters"])
@@ -52,8 +52,8 @@ def test_what_is_measured_is_the_model_with_the_declared_latency_and_resolution(
             measured, expected = exchanged[tick][0].joint_angle, angles[tick - latency]
             worst = max(abs(measured[axis] - expected[axis]) for axis in (0, 1))
             errors[latency] = max(errors[latency], worst)
-    assert errors[device.latency_ticks] <= 1.01 * device.file.quantum
-    assert min(errors, key=errors.__getitem__) == device.latency_ticks
+    assert errors[device.driver.latency_ticks] <= 1.01 * device.file.quantum
+    assert min(errors, key=errors.__getitem__) == device.driver.latency_ticks
 
 
 @every_name

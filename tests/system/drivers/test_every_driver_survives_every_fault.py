@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from hil.device.contract import Outcome, State
+from hil.device.contract import ZERO, Flag, Outcome, State
 from hil.safety.limits import DROP_TICKS
 from tests.support.hil import fault_table
 from tests.support.hil.driver_bench import DRIVERS, Bench
@@ -62,13 +62,16 @@ def test_outcome(name: str, fault: str, bench: Bench):
     assert rig.device.state is State.ACTIVE, rig.device.fault_sentence()
     kind, values = FAULTS[fault]
     rig.fault(kind, **values)
-    faulted, oldest = None, 0
+    faulted, oldest, last = None, 0, ZERO
     for passed in range(LONGEST.get(kind, TICKS)):
         (exchanged,) = rig.exchange(1, (0.01, -0.01))
         oldest = max(oldest, exchanged[0].sample_age)
         if rig.device.state is State.FAULT:
             faulted = passed if faulted is None else faulted
-            assert exchanged[1].torque == (0.0, 0.0), "zero in the very tick"
+            sent = exchanged[1]
+            assert sent.torque == ZERO or Flag.NOT_SENT in sent.flags, "zero in the very tick"
+            assert all(abs(now) <= abs(was) for now, was in zip(sent.torque, last, strict=True))
+        last = exchanged[1].torque
     device = rig.device
     if faulted is None:
         assert fault in MAY_GO_ON.get(name, UNNUMBERED), "this fault has to be noticed"

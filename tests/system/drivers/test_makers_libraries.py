@@ -19,7 +19,8 @@ from cosim.cli import cli
 from hil.device.contract import ZERO, Cause, Outcome, State
 from hil.device.device import Device
 from hil.device.errors import ActivationRefused, DeviceError, DeviceGone
-from hil.drivers.mock.driver import MockDevice
+from hil.device.warnings import warnings_of
+from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import ask, emulated
 from hil.setup.address import parse
 from hil.setup.device_file import default
@@ -83,13 +84,14 @@ def rig(name: str, board: RemoteBoard, monkeypatch) -> Iterator[Rig]:
     for module, fake in FAKES[name](maker).items():
         monkeypatch.setitem(sys.modules, module, fake)
     file = parse_file({"driver": name, "home": list(board.state()["angle"])})
-    device = find(name)(
+    device = Device(
+        find(name),
         parse(URLS[name] + "?lockstep=1"),
         file,
         tick=Fraction(1, 1024),
         permission=emulated("a fake", None),
     )
-    device.pause = board.tick
+    device.driver.pause = board.tick
     yield Rig(device, maker)
     maker.broken.clear()
     device.close()
@@ -116,8 +118,8 @@ def test_torques_and_angles_are_the_boards(rig: Rig):
 
 
 def test_it_is_said_to_be_untested_on_hardware_and_has_no_port_to_share(rig: Rig):
-    assert "never hardware" in " ".join(rig.device.warnings())
-    assert rig.device.shares_port is False
+    assert "never hardware" in " ".join(warnings_of(rig.device))
+    assert rig.device.driver.shares_port is False
 
 
 def test_without_a_permission_the_board_gets_zero(rig: Rig):
@@ -170,7 +172,7 @@ def test_a_watchdog_that_expired_is_a_fault(rig: Rig):
 
 def test_a_board_without_a_watchdog_is_never_given_output(rig: Rig):
     rig.maker.has_watchdog = False
-    rig.device.pulse = Pulse()
+    rig.device.driver.pulse = Pulse()
     object.__setattr__(rig.device.file, "estop_confirmed", True)
     rig.ready()
     assert not rig.device.watchdog.verified
@@ -220,7 +222,7 @@ def test_what_cannot_be_opened_is_said(rig: Rig):
 def test_a_package_that_is_missing_is_named_with_its_installation(name: str, monkeypatch):
     module = "quanser.hardware" if name == "quanser" else name
     monkeypatch.setitem(sys.modules, module, None)
-    device = find(name)(parse(URLS[name]), default(name))
+    device = Device(find(name), parse(URLS[name]), default(name))
     with pytest.raises(InputError, match=rf"'{module}'.*install"):
         device.configure()
 
@@ -229,7 +231,7 @@ def test_a_url_without_a_place_is_refused(name: str, monkeypatch):
     for module, fake in FAKES[name](Maker(None)).items():
         monkeypatch.setitem(sys.modules, module, fake)
     with pytest.raises(InputError, match=f"write {name}://"):
-        find(name)(parse(f"{name}://"), default(name)).configure()
+        Device(find(name), parse(f"{name}://"), default(name)).configure()
 
 
 @pytest.mark.parametrize("timeout", [0, 1, "soon", True, -0.02])
@@ -290,15 +292,16 @@ def test_a_card_is_fed_by_writing_alone(rig: Rig):
 @pytest.mark.parametrize("shared", [True, False])
 def test_the_control_loop_itself_opens_what_cannot_be_shared(shared: bool, tmp_path, monkeypatch):
     """Who opens it does not depend on whether this machine then keeps 1024 Hz."""
-    opened, whole = tmp_path / "opened", MockDevice._open
+    opened, whole = tmp_path / "opened", MockDriver.open
 
-    def note(device: MockDevice) -> None:
-        opened.write_text(f"{os.getppid()}")
+    def note(device: MockDriver) -> None:
+        opened.write_text(f"{os.getpid()}")
         whole(device)
 
-    monkeypatch.setattr(MockDevice, "shares_port", shared)
-    monkeypatch.setattr(MockDevice, "_open", note)
+    monkeypatch.setattr(MockDriver, "shares_port", shared)
+    monkeypatch.setattr(MockDriver, "open", note)
     run = ("run", "two_users_box", "--with", "scenarios/devices/mock.yaml", "--realtime")
     rest = ("--duration", "0.05 s", "--set", "expect=~", "--no-figure", "--json")
     CliRunner().invoke(cli, [*run, *rest, "--out", str(tmp_path / "run")])
-    assert (int(opened.read_text()) == os.getpid()) is shared, "a child's child is the loop"
+    opener = int(opened.read_text())
+    assert (opener == os.getpid()) is shared, "the command opens the others"

@@ -10,7 +10,8 @@ from fractions import Fraction
 import pytest
 
 from hil.device.contract import ZERO, State
-from hil.drivers.moteus.driver import MoteusDevice
+from hil.device.device import Device
+from hil.drivers.moteus.driver import MoteusDriver
 from hil.safety.permission import emulated
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
@@ -30,7 +31,8 @@ def servos():
 @pytest.fixture
 def device(servos: Servos):
     file = parse_file({"driver": "moteus", "home": list(servos.home)})
-    made = MoteusDevice(
+    made = Device(
+        MoteusDriver,
         parse(f"moteus://{servos.path}?ids=1,2&budget=20"),
         file,
         tick=TICK,
@@ -41,7 +43,7 @@ def device(servos: Servos):
     made.close()
 
 
-def exchange(device: MoteusDevice, ticks: int, torque=ZERO):
+def exchange(device: Device, ticks: int, torque=ZERO):
     done = []
     for tick in range(ticks):
         measured = device.read(tick)
@@ -49,7 +51,7 @@ def exchange(device: MoteusDevice, ticks: int, torque=ZERO):
     return done
 
 
-def active(device: MoteusDevice) -> None:
+def active(device: Device) -> None:
     device.home()
     exchange(device, 70)
     assert device.state is State.INACTIVE, device.fault_sentence()
@@ -57,7 +59,7 @@ def active(device: MoteusDevice) -> None:
     exchange(device, 3)
 
 
-def test_torque_out_angles_in_and_a_stop_at_the_end(device: MoteusDevice, servos: Servos):
+def test_torque_out_angles_in_and_a_stop_at_the_end(device: Device, servos: Servos):
     assert device.watchdog.verified, "the servos stopped by themselves while it was opened"
     assert servos.ask()["largest"] == 0.0
     active(device)
@@ -75,7 +77,7 @@ def test_torque_out_angles_in_and_a_stop_at_the_end(device: MoteusDevice, servos
 
 
 def test_a_host_that_falls_silent_is_noticed_by_the_servos_and_then_by_the_host(
-    device: MoteusDevice, servos: Servos
+    device: Device, servos: Servos
 ):
     active(device)
     exchange(device, 100, (0.01, -0.01))

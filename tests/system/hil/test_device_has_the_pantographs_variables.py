@@ -17,11 +17,11 @@ from hil.device.component import DeviceComponent
 from hil.device.contract import Status
 from hil.device.errors import DeviceFault
 from hil.device.pantograph import variables
-from hil.drivers.mock.driver import MockDevice
+from hil.drivers.mock.driver import MockDriver
 
 
 def component(**options):
-    return DeviceComponent(MockDevice, "mock://", options)
+    return DeviceComponent(MockDriver, "mock://", options)
 
 
 def bind(made, **parameters):
@@ -92,15 +92,18 @@ def test_a_fault_ends_the_run_with_its_sentence():
     inputs, outputs = bind(made)
     made.read(0)
     inputs["motor_torque"][:] = (math.nan, 0.0)
-    with pytest.raises(DeviceFault, match=r"not a number.*zero torque confirmed"):
-        made.write(0)
+    made.write(0)
     assert outputs["status"][0] & Status.FAULT
+    assert not outputs["applied_torque"].any()
+    made.read(1)
+    with pytest.raises(DeviceFault, match=r"not a number.*zero torque confirmed"):
+        made.write(1)
     made.close()
 
 
 def test_hil_loads_nothing_of_cosim_but_protocol_and_errors():
     code = (
-        "import sys, hil.device.component, hil.setup.registry, hil.realtime.session\n"
+        "import sys, hil.device.component, hil.setup.registry, hil.setup.session\n"
         "import hil.drivers.mock.driver\n"
         "print([m for m in sys.modules if m.startswith('cosim.')])"
     )

@@ -7,7 +7,8 @@ from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from cosim.base.errors import InputError
-from hil.device.contract import Cause, Flag, Outcome, State, Status
+from hil.device.alarm import Alarm
+from hil.device.contract import Cause, Flag, Outcome, State, Status, Watchdog
 from hil.device.device import Device
 from hil.device.errors import (
     ActivationRefused,
@@ -16,6 +17,7 @@ from hil.device.errors import (
     DeviceGone,
     LifecycleError,
 )
+from hil.drivers.mock.driver import MockDriver
 from hil.setup.device_file import parse as parse_file
 from tests.support.hil.hil_bench import REST, Puppet, mock, rested, run
 
@@ -38,7 +40,7 @@ class Life(RuleBasedStateMachine):
                 getattr(self.device, name)()
             assert len(self.puppet.torques) == before
         else:
-            self.device.body = self.device.body or self.puppet
+            self.device.driver.body = self.device.driver.body or self.puppet
             getattr(self.device, name)()
             self.state = after
         assert self.device.state is self.state
@@ -104,11 +106,13 @@ Life.TestCase.settings = settings(deadline=None, max_examples=40, stateful_step_
 TestLife = Life.TestCase
 
 
-def test_a_driver_cannot_replace_what_stands_between_command_and_motor():
-    names = ("write", "read", "activate", "home", "component", "safety", "settled", "_check_time")
-    for name in (*names, "zero_after_death", "_trip", "_write_zero", "_guard"):
-        with pytest.raises(TypeError, match=name):
-            type("Sly", (Device,), {name: lambda self, *_: None})
+def test_a_driver_knows_nothing_of_what_stands_between_command_and_motor():
+    """It has no device, no safety layer, no state and no permission to change."""
+    device = mock(Puppet())
+    held = {id(value) for value in vars(device.driver).values()}
+    for part in (device, device.safety, device._latch, device._samples, device.permission):
+        assert id(part) not in held
+    assert Device.__final__
 
 
 def test_without_a_permission_torque_is_computed_and_zero_is_sent():
@@ -178,7 +182,7 @@ def test_a_jump_unhomes_and_nothing_brings_the_device_back_by_itself():
     with pytest.raises(DeviceFault, match="jumped"):
         device.raise_fault()
     device.reset()
-    device.body = puppet
+    device.driver.body = puppet
     device.configure()
     assert not device.homed
 
@@ -205,14 +209,17 @@ def test_an_error_while_writing_becomes_a_fault_whose_output_is_unknown_or_left_
     assert device.outcome is Outcome.WATCHDOG
     with pytest.raises(DeviceFault, match="watchdog"):
         device.raise_fault()
-    type(device).watchdog, kept = Device.watchdog, type(device).watchdog
-    try:
-        device.outcome, device.outcome_ticks = Outcome.PENDING, 0
-        run(device, 60)
-        with pytest.raises(DeviceFault, match="cut the power"):
-            device.raise_fault()
-    finally:
-        type(device).watchdog = kept
+
+
+def test_without_a_watchdog_the_output_is_unknown_then(monkeypatch):
+    monkeypatch.setattr(MockDriver, "watchdog", Watchdog())
+    puppet = Failing(after=50)
+    device = rested(mock(puppet))
+    device.activate()
+    run(device, 60, (0.005, 0.0))
+    assert device.outcome is Outcome.UNKNOWN
+    with pytest.raises(DeviceFault, match="cut the power"):
+        device.raise_fault()
 
 
 def test_the_loop_coming_back_late_is_answered_with_zero_and_fault():
@@ -232,16 +239,40 @@ def test_the_loop_coming_back_late_is_answered_with_zero_and_fault():
     assert device.fault.cause is Cause.LATE
 
 
-def test_a_requested_stop_zeroes_at_the_next_tick_boundary():
-    puppet = Puppet()
-    device = rested(mock(puppet))
-    device.activate()
-    run(device, 100, (0.005, 0.0))
-    device.stop_requested = True
-    assert puppet.torques[-1] != (0.0, 0.0)
-    run(device, 1, (0.005, 0.0), start=100)
-    assert puppet.torques[-1] == (0.0, 0.0)
-    assert device.outcome is Outcome.ZERO_CONFIRMED
+def pair_of_devices():
+    """Two active devices of one run, each with its puppet, pushing."""
+    alarm, puppets = Alarm(), (Puppet(), Puppet())
+    devices = [rested(mock(puppet, alarm=alarm)) for puppet in puppets]
+    for device in devices:
+        device.activate()
+    for _ in range(100):
+        exchange_both(devices)
+    assert all(puppet.torques[-1] != (0.0, 0.0) for puppet in puppets)
+    return devices, puppets
+
+
+def exchange_both(devices, commands=((0.005, 0.0), (0.005, 0.0))):
+    for device in devices:
+        device.read(0)
+    for device, command in zip(devices, commands, strict=True):
+        device.write(0, command)
+
+
+def test_a_fault_found_while_reading_zeroes_the_other_device_in_the_same_tick():
+    devices, puppets = pair_of_devices()
+    puppets[1].put((REST[0] + 0.03, REST[1]))
+    exchange_both(devices)
+    assert [device.state for device in devices] == [State.FAULT, State.FAULT]
+    assert all(puppet.torques[-1] == (0.0, 0.0) for puppet in puppets)
+    assert devices[0].fault.cause is Cause.SIBLING
+
+
+def test_a_fault_found_while_writing_zeroes_the_other_device_at_the_next_tick():
+    devices, puppets = pair_of_devices()
+    exchange_both(devices, ((0.005, 0.0), (float("nan"), 0.0)))
+    assert puppets[0].torques[-1] != (0.0, 0.0), "it had written already"
+    exchange_both(devices)
+    assert all(puppet.torques[-1] == (0.0, 0.0) for puppet in puppets)
 
 
 def test_close_zeroes_on_every_path():
@@ -264,12 +295,12 @@ def test_close_zeroes_on_every_path():
 
 def test_a_device_that_is_too_slow_or_someone_elses_is_refused(monkeypatch):
     slow = mock(Puppet())
-    monkeypatch.setattr(type(slow), "native_period_ticks", 2.5)
+    monkeypatch.setattr(MockDriver, "native_period_ticks", 2.5)
     with pytest.raises(InputError, match="too slow"):
         slow.configure()
     monkeypatch.undo()
     other = mock(Puppet(), file=parse_file({"driver": "mock", "serial": "A17"}))
-    monkeypatch.setattr(type(other), "_serial", lambda self: "B4")
+    monkeypatch.setattr(MockDriver, "serial", lambda self: "B4")
     with pytest.raises(DeviceError, match=r"B4.*A17"):
         other.configure()
     assert other.state is State.UNCONFIGURED

@@ -22,13 +22,16 @@ from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.cli.live import choose
 from cosim.cli.support.plot import HEIGHT, plot
+from cosim.realtime.live import Feed, StatusWriter
+from cosim.realtime.ring import Ring
+from cosim.realtime.watcher import Watcher, find_feed
+from hil.device.component import DeviceComponent
 from hil.device.contract import Cause, State
-from hil.realtime.live import Feed, StatusWriter
-from hil.realtime.ring import Ring
-from hil.realtime.watcher import Watcher, find_feed
+from hil.drivers.mock.driver import MockDriver
 from tests.support.hil.hil_bench import QUANSER, REST_ANGLE, Puppet, mock, rested, run
 
 LATENESS = SimpleNamespace(misses=3, slipped=4, worst=1_500_000)
+COMPONENT = DeviceComponent(MockDriver, "mock://", {})
 COLUMNS = [
     SimpleNamespace(name="vr.box.x", unit="m", is_float=True),
     SimpleNamespace(name="vr.contacts", unit=None, is_float=False),
@@ -38,7 +41,7 @@ COLUMNS = [
 @pytest.fixture
 def feed():
     rings = [Ring.create(2, capacity=64)]
-    made = Feed(f"bench-{os.getpid()}", 1024.0, {"finger": QUANSER}, rings)
+    made = Feed(f"bench-{os.getpid()}", 1024.0, {"finger": COMPONENT}, rings)
     made.publish([SimpleNamespace(name="control", period=1, columns=COLUMNS)], Path("/tmp/run-7"))
     made.rings = rings
     yield made
@@ -62,7 +65,7 @@ def test_the_newest_row_says_how_loop_and_device_stand(feed):
         seen = watcher.status()
         assert (seen.tick, seen.misses, seen.slipped, seen.worst) == (2000, 3, 4, 1.5e-3)
         (finger,) = seen.devices
-        assert finger.state is State.ACTIVE
+        assert finger.state == State.ACTIVE
         assert finger.torque == device.sent
         assert finger.joint_angle == pytest.approx(REST_ANGLE, abs=1e-3)
         assert "finger active" in seen.line()
@@ -70,8 +73,8 @@ def test_the_newest_row_says_how_loop_and_device_stand(feed):
         device.write(2000, (float("nan"), 0.0))
         writer.write(2001)
         (finger,) = watcher.status().devices
-        assert finger.state is State.FAULT
-        assert finger.cause is Cause.COMMAND
+        assert finger.state == State.FAULT
+        assert finger.cause == Cause.COMMAND
         assert "FAULT: command" in watcher.status().line()
 
 
@@ -96,7 +99,7 @@ def test_the_force_at_the_tip_does_the_work_of_the_torques(x, y, first, second):
 WATCHING = """
 import json, sys, time
 from pathlib import Path
-from hil.realtime.watcher import Watcher
+from cosim.realtime.watcher import Watcher
 with Watcher(Path(sys.argv[1])) as watcher:
     watcher.watch(["vr.box.x", "vr.contacts"])
     print("watching", flush=True)

@@ -8,13 +8,14 @@ import pytest
 
 from cosim.base.pulse import Pulse
 from hil.device.contract import Watchdog
+from hil.device.device import Device
 from hil.device.errors import ActivationRefused
-from hil.drivers.mock.driver import MockDevice
-from hil.realtime.session import Session
+from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import Permission, ask, dead_man, emulated
 from hil.safety.safeguards import check_safeguards
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
+from hil.setup.session import Session
 from tests.support.hil.hil_bench import Puppet, mock
 
 
@@ -50,7 +51,7 @@ def test_a_session_is_dry_unless_told_otherwise():
     assert Session(enable_output=True, yes=True).permission(device) is not None
 
 
-class Real(MockDevice):
+class Real(MockDriver):
     """As if it were hardware."""
 
     driver = "mock"
@@ -60,8 +61,12 @@ class Real(MockDevice):
 
 def real(url="mock:///dev/ttyACM0", file=None, **options):
     permission = ask("x", [], lambda text: "enable")
-    return Real(
-        parse(url), parse_file({"driver": "mock", **(file or {})}), permission=permission, **options
+    return Device(
+        Real,
+        parse(url),
+        parse_file({"driver": "mock", **(file or {})}),
+        permission=permission,
+        **options,
     )
 
 

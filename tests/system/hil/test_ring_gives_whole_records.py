@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.realtime.ring import Reader, Ring
+from cosim.realtime.ring import Reader, Ring
 
 
 @settings(deadline=None, max_examples=60)

@@ -13,9 +13,9 @@ from cosim.base.errors import InputError
 from hil.device.component import observe_rest
 from hil.device.contract import Cause, Outcome, State
 from hil.device.errors import ActivationRefused
-from hil.realtime.session import Session
 from hil.safety.dead_man import EventKey, open_dead_man
 from hil.safety.permission import dead_man
+from hil.setup.session import Session
 from tests.support.hil.driver_bench import Bench, Rig
 from tests.support.hil.hil_bench import Puppet, mock, rested, run
 
@@ -145,7 +145,12 @@ def test_a_pedal_permits_and_releases_a_device_in_lock_step(pedal, bench: Bench)
 
 def test_a_switch_on_the_board_travels_in_its_answers(bench: Bench):
     rig = configured(bench, "cobs")
-    rig.emulator.control.ask("input", closed=True)
+    pauses = iter(range(1000))
+
+    def close_later():
+        rig.emulator.control.ask("input", closed=next(pauses) > 20)
+
+    rig.device.driver.pause = close_later
     session = Session(enable_output=True, yes=True, dead_man=open_dead_man("device"))
     rig.device.permission = session.permission(rig.device)
     rig.device.home()
@@ -157,3 +162,12 @@ def test_a_switch_on_the_board_travels_in_its_answers(bench: Bench):
     rig.exchange(3, PUSH)
     assert rig.truth()["torque"] == [0.0, 0.0]
     assert rig.device.fault.cause is Cause.DEAD_MAN
+
+
+def test_a_switch_that_was_never_seen_open_may_be_jammed(bench: Bench, monkeypatch):
+    monkeypatch.setattr("hil.safety.dead_man.PATIENCE", 0.2)
+    rig = configured(bench, "cobs")
+    rig.emulator.control.ask("input", closed=True)
+    session = Session(enable_output=True, yes=True, dead_man=open_dead_man("device"))
+    with pytest.raises(ActivationRefused, match="not seen open"):
+        session.permission(rig.device)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -11,12 +12,14 @@ from cosim.base.errors import InputError
 from cosim.base.pulse import Pulse
 from cosim.cli import cli
 from hil.device.contract import State, Watchdog
+from hil.device.device import Device
 from hil.device.errors import ActivationRefused, DeviceError
-from hil.drivers.mock.driver import MockDevice
+from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import ask
 from hil.safety.safeguards import check_safeguards
 from hil.setup.address import parse
 from hil.setup.device_file import default, load, save
+from hil.setup.watchdog_proof import prove_watchdog
 from tests.support.hil.driver_bench import DRIVERS, SETUPS, Bench
 from tests.support.hil.hil_bench import Puppet
 
@@ -43,7 +46,7 @@ def unproved(bench: Bench, name: str, **changes):
 def test_it_fires_in_time_and_the_board_s_torque_was_zero_throughout(name: str, bench: Bench):
     device, emulator = unproved(bench, name)
     device.configure()
-    proof = device.prove_watchdog()
+    proof = prove_watchdog(device)
     assert device.state is State.INACTIVE
     assert proof.timeout <= proof.fired_after + TICK
     assert proof.fired_after <= proof.timeout + 0.030 + TICK
@@ -54,7 +57,7 @@ def test_it_fires_in_time_and_the_board_s_torque_was_zero_throughout(name: str, 
 def test_force_is_refused_until_it_was_proved(name: str, bench: Bench):
     device, _ = unproved(bench, name)
     assert not device.watchdog.verified
-    device.pulse = Pulse()
+    device.driver.pulse = Pulse()
     with pytest.raises(ActivationRefused, match="has not been proved"):
         check_safeguards(device)
     proved, _ = unproved(bench, name, watchdog_proof=SETUPS[name]["file"]["watchdog_proof"])
@@ -77,7 +80,7 @@ def test_without_consent_nothing_is_switched_on(name: str, bench: Bench):
     device.configure()
     sent = emulator.control.ask("state")["received"]
     with pytest.raises(ActivationRefused, match="--enable-output"):
-        device.prove_watchdog()
+        prove_watchdog(device)
     assert emulator.control.ask("state")["received"] == sent
 
 
@@ -87,34 +90,33 @@ def test_a_watchdog_that_is_off_is_found_out(bench: Bench):
     device, _ = unproved(bench, "odrive (slcan)", settings={"watchdog": wrong})
     device.configure()
     with pytest.raises(DeviceError, match="did not fire within"):
-        device.prove_watchdog()
+        prove_watchdog(device)
 
 
-class Nervous(MockDevice):
+class Nervous(MockDriver):
     """Its watchdog fires at every command."""
 
     driver = "mock"
     watchdog = Watchdog(timeout=0.02)
 
-    def _send(self, tick, torque):
-        self.watchdog_reports += 1
-        return super()._send(tick, torque)
+    def receive(self):
+        return replace(super().receive(), watchdog_fired=True)
 
 
 def test_a_watchdog_that_fires_while_it_is_fed_is_no_proof():
-    device = Nervous(parse("mock://"), default("mock"), permission=confirmed())
-    device.body = Puppet()
+    device = Device(Nervous, parse("mock://"), default("mock"), permission=confirmed())
+    device.driver.body = Puppet()
     device.configure()
     with pytest.raises(DeviceError, match="fires while it is fed"):
-        device.prove_watchdog()
-    assert set(device.body.torques) == {(0.0, 0.0)}
+        prove_watchdog(device)
+    assert set(device.driver.body.torques) == {(0.0, 0.0)}
 
 
 def test_a_device_without_one_says_so(bench: Bench):
     device = bench.device("haply", bench.emulator("haply"))
     device.configure()
     with pytest.raises(DeviceError, match="has no watchdog"):
-        device.prove_watchdog()
+        prove_watchdog(device)
 
 
 def test_the_command_notes_it_in_the_device_file_and_keeps_the_rest(bench: Bench, tmp_path):

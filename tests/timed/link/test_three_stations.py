@@ -19,6 +19,7 @@ from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.transport import Address, open_socket
 from cosim.master.assembly.assemble import put_together
+from cosim.realtime.paced_loop import paced
 from cosim.record import open_run
 from cosim.run import run_scenario
 from cosim.scenario import load
@@ -132,7 +133,9 @@ def test_three_stations_compute_what_one_simulation_does(tmp_path: Path) -> None
                 tmp_path / own,
                 figure=False,
                 instances=made,
-                execute=lambda simulation, recorder, _: simulation.run(recorder, pacer=pacer),
+                execute=lambda simulation, recorder, _: simulation.run(
+                    recorder, drive=paced(pacer)
+                ),
             )
         except BaseException:
             barrier.abort()

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from cosim.base.errors import InputError
 from cosim.cli import cli
-from hil.drivers.canopen.driver import CanopenDevice
+from hil.drivers.canopen.driver import CanopenDriver
 from hil.setup.address import parse
 from hil.setup.device_file import default
 from hil.wire.can_bus import bus_load
@@ -18,7 +18,7 @@ FINGERS = ("finger_a1", "finger_a2", "finger_b1", "finger_b2")
 
 
 def use(nodes: str):
-    return CanopenDevice.bus_use(parse(f"canopen+x://can0?nodes={nodes}"), default("canopen"))
+    return CanopenDriver.bus_use(parse(f"canopen+x://can0?nodes={nodes}"), default("canopen"))
 
 
 @pytest.mark.parametrize(("count", "plain", "worst"), [(1, 24, 29), (2, 44, 53), (4, 83, 99.8)])

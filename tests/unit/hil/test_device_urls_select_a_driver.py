@@ -6,7 +6,7 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.scenario import load
-from hil.drivers.mock.driver import MockDevice
+from hil.drivers.mock.driver import MockDriver
 from hil.drivers.odrive.driver import OdriveOptions
 from hil.setup.address import parse
 from hil.setup.options import check_options, read_options
@@ -70,7 +70,7 @@ def test_an_option_of_another_kind_of_bus_is_refused():
 
 def test_drivers_are_found_by_entry_point():
     assert {"mock", "haply", "odrive", "cobs"} <= set(names())
-    assert find("mock") is MockDevice
+    assert find("mock") is MockDriver
     with pytest.raises(InputError, match="did you mean 'haply'"):
         find("haptly")
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import RunError
-from cosim.master.run.deadlines import Cause, Deadlines
-from cosim.master.run.pacing import DeadlinePacer, sleep_until
+from cosim.realtime.deadlines import Cause, Deadlines
+from cosim.realtime.pacing import DeadlinePacer, sleep_until
 
 TICK = Fraction(1, 1024)
 PERIOD = 976562.5

@@ -10,8 +10,9 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.base.recording import MemorySink
-from cosim.master.run.pacing import DeadlinePacer
 from cosim.master.run.simulation import assemble
+from cosim.realtime.paced_loop import paced
+from cosim.realtime.pacing import DeadlinePacer
 from tests.support.master.master_support import run, scenario_of
 from tests.support.master.single_axis import GAINS, single_axis
 
@@ -78,7 +79,7 @@ def test_a_paced_run_gives_the_same_numbers(tmp_path: Path) -> None:
     expected, _ = run(scenario, until=100)
     fake, sink = FakeTime(), MemorySink()
     pacer = DeadlinePacer(tick_seconds=Fraction(1, 1024), clock=fake, sleep=fake.sleep)
-    outcome = assemble(scenario).run(sink, until=100, pacer=pacer)
+    outcome = assemble(scenario).run(sink, until=100, drive=paced(pacer))
     assert outcome.ticks == 100
     assert abs(fake.now * 1e-9 - 99 / 1024) < 2e-9
     np.testing.assert_array_equal(

@@ -1,6 +1,6 @@
 """A paced run as another process sees it: its newest status, and the rows that it records.
 
-Everything is mapped read-only (``hil.realtime.live`` says what is there); what comes too fast is
+Everything is mapped read-only (``cosim.realtime.live`` says what is there); what comes too fast is
 lost and counted.
 """
 
@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from hil.device.contract import Cause, Flag, State, Status
-from hil.realtime.live import CAUSES, DEVICE_CELLS, LOOP_CELLS, PREFIX, STATES, shared_folder
-from hil.realtime.ring import Reader, Ring
-from hil.safety.linkage import Linkage, Pair
+from cosim.base.supervised import DeviceCells
+from cosim.realtime.live import DEVICE_CELLS, LOOP_CELLS, PREFIX, shared_folder
+from cosim.realtime.ring import Reader, Ring
+
+Pair = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,14 +30,16 @@ class DeviceStatus:
     """One device as the loop last told of it: rad, N.m, and the force at its tip (N)."""
 
     name: str
-    state: State
-    status: Status
+    state: str
+    output: bool
+    """Whether it is allowed to push."""
     age: int
     joint_angle: Pair
     torque: Pair
     force: Pair
-    flags: Flag
-    cause: Cause | None
+    flags: int
+    cause: str | None
+    """Why it is in fault."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +65,7 @@ class LoopStatus:
         for device in self.devices:
             size = float(np.hypot(*device.force))
             text = f"{device.name} {device.state} {size:.2f} N age {device.age}"
-            if Status.OUTPUT_ENABLED not in device.status and device.state is State.ACTIVE:
+            if not device.output and device.state == "active":
                 text += " dry"
             if device.cause is not None:
                 text += f" FAULT: {device.cause}"
@@ -87,10 +90,6 @@ class Watcher:
         self._path = path
         self.content: dict[str, Any] = json.loads(path.read_text("utf-8"))
         self._status = Ring(Path(self.content["status"]), read_only=True)
-        self._linkages = {
-            name: Linkage(proximal=p, distal=d, base=b)
-            for name, (p, d, b) in self.content["devices"].items()
-        }
         self._readers: list[_Columns] = []
 
     @property
@@ -104,23 +103,20 @@ class Watcher:
         if row is None:
             return None
         devices: list[DeviceStatus] = []
-        for index, (name, linkage) in enumerate(self._linkages.items()):
+        for index, (name, words) in enumerate(self.content["devices"].items()):
             begin = len(LOOP_CELLS) + index * len(DEVICE_CELLS)
-            written: list[float] = row[begin : begin + len(DEVICE_CELLS)].tolist()
-            cells = dict(zip(DEVICE_CELLS, written, strict=True))
-            angle = (cells["angle_1"], cells["angle_2"])
-            torque = (cells["torque_1"], cells["torque_2"])
+            cells = DeviceCells(*row[begin : begin + len(DEVICE_CELLS)].tolist())
             devices.append(
                 DeviceStatus(
                     name=name,
-                    state=STATES[int(cells["state"])],
-                    status=Status(int(cells["status"])),
-                    age=int(cells["age"]),
-                    joint_angle=angle,
-                    torque=torque,
-                    force=linkage.tip_force(angle, torque),
-                    flags=Flag(int(cells["flags"])),
-                    cause=None if cells["cause"] < 0 else CAUSES[int(cells["cause"])],
+                    state=words["states"][int(cells.state)],
+                    output=bool(cells.output),
+                    age=int(cells.age),
+                    joint_angle=(cells.angle_1, cells.angle_2),
+                    torque=(cells.torque_1, cells.torque_2),
+                    force=(cells.force_1, cells.force_2),
+                    flags=int(cells.flags),
+                    cause=None if cells.cause < 0 else words["causes"][int(cells.cause)],
                 )
             )
         return LoopStatus(

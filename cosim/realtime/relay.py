@@ -1,20 +1,20 @@
 """Recorded rows from the loop's process to the recorder's, through a ring a record group.
 
 The loop's side is what the master calls a sink; the recorder's side feeds any other sink. Rows keep
-their bits. A recorder that cannot keep up ends the run: nothing is dropped in silence.
+their bits. A recorder that cannot keep up never holds up the loop: rows that were overwritten
+before they were read are counted, and recorded as held.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hil.device.errors import DeviceError
-from hil.realtime.ring import Reader, Ring
+from cosim.base.recording import RecordGroup, Sink
+from cosim.realtime.ring import Reader, Ring
 
 SECONDS = 8.0
 """How far a recorder may fall behind the loop."""
@@ -28,7 +28,7 @@ class RelaySink:
         self._rows = [np.zeros((1, ring.cells), np.int64) for ring in rings]
         self._cells = [memoryview(rows[0]).cast("B").cast("q") for rows in self._rows]
 
-    def begin(self, groups: Sequence[Any], base_rate: Fraction) -> None:
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """The recorder knows the groups already."""
 
     def buffer(self, group: int, rows: int) -> NDArray[np.int64]:
@@ -48,33 +48,39 @@ class RelaySink:
 class RelayPump:
     """The recorder's side: call :meth:`pump` until the loop is over, and once more then."""
 
-    def __init__(self, rings: Sequence[Ring], groups: Sequence[Any], sink: Any) -> None:
+    def __init__(self, rings: Sequence[Ring], groups: Sequence[RecordGroup], sink: Sink) -> None:
         self._readers = [Reader(ring, oldest=True) for ring in rings]
         self._groups, self._sink = groups, sink
         self._rows = [0] * len(rings)
+        self._held = [np.zeros((1, ring.cells), np.int64) for ring in rings]
+        self.lost = 0
+        """Rows that the recorder was too slow for."""
 
     def pump(self) -> int:
-        """Hand on what has come; the tick after the last row that is in.
-
-        Raises:
-            DeviceError: rows were overwritten before they were read.
-        """
+        """Hand on what has come; the tick after the last row that is in."""
         reached = 0
         for number, (reader, group) in enumerate(zip(self._readers, self._groups, strict=True)):
-            values = reader.read()
-            if reader.lost:
-                raise DeviceError(f"the recorder fell behind: {reader.lost} rows are lost")
+            before = reader.lost
+            values = reader.read().view(np.int64)
+            lost = reader.lost - before
+            if lost:
+                self.lost += lost
+                self._hand_on(number, group, np.repeat(self._held[number], lost, axis=0))
             if len(values):
-                room = self._sink.buffer(number, len(values))
-                room[:] = values.view(np.int64)
-                first = self._rows[number] * group.period
-                self._rows[number] += len(values)
-                self._sink.commit(number, first, len(values))
+                self._held[number] = values[-1:].copy()
+                self._hand_on(number, group, values)
             reached = max(reached, self._rows[number] * group.period)
         return reached
 
+    def _hand_on(self, number: int, group: RecordGroup, rows: NDArray[np.int64]) -> None:
+        room = self._sink.buffer(number, len(rows))
+        room[:] = rows
+        first = self._rows[number] * group.period
+        self._rows[number] += len(rows)
+        self._sink.commit(number, first, len(rows))
 
-def make_rings(groups: Sequence[Any], rate: Fraction) -> list[Ring]:
+
+def make_rings(groups: Sequence[RecordGroup], rate: Fraction) -> list[Ring]:
     """A ring for each record group of a scenario with that base rate (Hz)."""
     rings: list[Ring] = []
     for group in groups:

@@ -21,10 +21,28 @@ from cosim.master.kernel.program import Program
 from cosim.master.run.diagnosis import moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish
-from cosim.master.run.pacing import Pacer, Work
+from cosim.master.run.simulation import Drive
+from cosim.realtime.pacing import Pacer, Work
 
 MODELS, RECORD = "models", "record"
 """The parts of a tick that are no component's: the kernel's, and handing rows over."""
+
+
+def paced(pacer: Pacer) -> Drive:
+    """What runs a simulation at a pace: ``simulation.run(drive=paced(pacer))``."""
+
+    def drive(
+        program: Program,
+        components: Mapping[str, Component],
+        groups: Sequence[RecordGroup],
+        sink: Sink | None,
+        *,
+        end: int,
+        wish: Wish,
+    ) -> Outcome:
+        return PacedLoop(program, components, groups, sink).run(end, pacer, wish)
+
+    return drive
 
 
 class PacedLoop:

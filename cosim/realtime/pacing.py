@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import Any, Literal, Protocol
 
 from cosim.base.errors import RunError
-from cosim.master.run.deadlines import Cause, Deadlines
+from cosim.realtime.deadlines import Cause, Deadlines
 
 Policy = Literal["count", "stop"]
 LONGEST_SPIN = 100e-6

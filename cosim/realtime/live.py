@@ -10,14 +10,15 @@ import json
 import os
 import tempfile
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol
 
-from hil.device.contract import Cause, State
-from hil.device.device import Device
-from hil.realtime.ring import Ring
-from hil.safety.linkage import Linkage
+from cosim.base.recording import RecordGroup
+from cosim.base.supervised import DeviceCells, Opens, Supervised
+from cosim.realtime.ring import Ring
 
 STATUS_ROWS = 128
 STATUS_TICKS = 8
@@ -25,20 +26,9 @@ STATUS_TICKS = 8
 PREFIX = "cohaptic-live-"
 """How the files that describe a run to others begin."""
 LOOP_CELLS = ("tick", "late_ticks", "slipped", "worst")
-DEVICE_CELLS = (
-    "state",
-    "status",
-    "age",
-    "angle_1",
-    "angle_2",
-    "torque_1",
-    "torque_2",
-    "flags",
-    "cause",
-)
+DEVICE_CELLS = tuple(field.name for field in fields(DeviceCells))
 """The cells of a status row: the loop's, then those of each device."""
-STATES, CAUSES = tuple(State), tuple(Cause)
-_STATE_NUMBER = {state: number for number, state in enumerate(STATES)}
+_values = attrgetter(*DEVICE_CELLS)
 
 
 class Lateness(Protocol):
@@ -52,7 +42,7 @@ class Lateness(Protocol):
 class StatusWriter:
     """The loop's side: rows of how the loop and every device stand."""
 
-    def __init__(self, ring: Ring, devices: Sequence[Device], lateness: Lateness) -> None:
+    def __init__(self, ring: Ring, devices: Sequence[Supervised], lateness: Lateness) -> None:
         self._ring, self._devices, self._lateness = ring, devices, lateness
         self._row = array("d", bytes(8 * ring.cells))
         self._cells = memoryview(self._row).cast("B").cast("q")
@@ -63,15 +53,9 @@ class StatusWriter:
         row[0], row[1], row[2], row[3] = tick, late.misses, late.slipped, late.worst * 1e-9
         place = len(LOOP_CELLS)
         for device in self._devices:
-            fault = device.fault
-            row[place] = _STATE_NUMBER[device.state]
-            row[place + 1] = device.status
-            row[place + 2] = device.age
-            row[place + 3], row[place + 4] = device.shown_angle
-            row[place + 5], row[place + 6] = device.sent
-            row[place + 7] = device.sent_flags
-            row[place + 8] = -1 if fault is None else CAUSES.index(fault.cause)
-            place += len(DEVICE_CELLS)
+            for value in _values(device.cells()):
+                row[place] = value
+                place += 1
         self._ring.put(self._cells)
 
 
@@ -79,7 +63,7 @@ class Feed:
     """The rings of one run; the command's process makes it, the loop fills it."""
 
     def __init__(
-        self, name: str, rate: float, devices: dict[str, Linkage], rings: Sequence[Ring] = ()
+        self, name: str, rate: float, devices: Mapping[str, Opens], rings: Sequence[Ring] = ()
     ) -> None:
         self.status = Ring.create(len(LOOP_CELLS) + len(DEVICE_CELLS) * len(devices), STATUS_ROWS)
         self.path = shared_folder() / f"{PREFIX}{os.getpid()}-{id(self):x}.json"
@@ -90,8 +74,8 @@ class Feed:
             "folder": None,
             "status": str(self.status.path),
             "devices": {
-                name: [linkage.proximal, linkage.distal, linkage.base]
-                for name, linkage in devices.items()
+                name: {"states": list(component.states), "causes": list(component.causes)}
+                for name, component in devices.items()
             },
             "groups": [],
         }
@@ -107,7 +91,7 @@ class Feed:
         """Whether others can find it."""
         return self.path.exists()
 
-    def publish(self, groups: Sequence[Any] = (), folder: Path | None = None) -> None:
+    def publish(self, groups: Sequence[RecordGroup] = (), folder: Path | None = None) -> None:
         """Let others find it, with what is recorded in its rings and where to."""
         self._content["folder"] = None if folder is None else str(folder.resolve())
         self._content["groups"] = [

@@ -1,0 +1,63 @@
+"""What supervisor and loop tell the command over a pipe, and how a message is cut out of it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cosim.base.grants import Grant
+from cosim.master.run.simulation import Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """The first tick is about to run."""
+
+
+@dataclass(slots=True)
+class LoopReport:
+    """What the loop's process says before it ends."""
+
+    outcome: Outcome | None = None
+    error: tuple[int, str] | None = None
+    """Exit status and sentence of what ended it."""
+    deadlines: dict[str, Any] = field(default_factory=dict[str, Any])
+    grants: list[Grant] = field(default_factory=list[Grant])
+    facts: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """How a supervised loop ended."""
+
+    status: int
+    """The loop's exit status; minus the signal's number where a signal killed it."""
+    reason: str
+    """Empty for a loop that ended by itself with status 0."""
+    seconds: float
+    """From noticing the end to the last confirmation (s)."""
+
+
+Message = Begun | LoopReport | Ending | Grant
+
+
+def say(pipe: int, message: Message) -> None:
+    """Send a message; a command that is gone hears nothing."""
+    data = pickle.dumps(message)
+    frame = len(data).to_bytes(8, "little") + data
+    with contextlib.suppress(BrokenPipeError):
+        while frame:
+            frame = frame[os.write(pipe, frame) :]
+
+
+def split(data: bytes) -> tuple[list[Message], bytes]:
+    """Whole messages, and the bytes that are left."""
+    found: list[Message] = []
+    while len(data) >= 8 and len(data) >= 8 + (size := int.from_bytes(data[:8], "little")):
+        found.append(pickle.loads(data[8 : 8 + size]))
+        data = data[8 + size :]
+    return found, data

@@ -1,0 +1,349 @@
+"""A scenario in real time: command, supervisor and control loop in three processes.
+
+The command's process assembles the scenario, opens the devices, asks people what has to be asked,
+and records. It forks the supervisor, which forks the loop; each has a session of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any, NoReturn
+
+from cosim.base.errors import InputError, RunError
+from cosim.base.grants import Grant
+from cosim.base.pulse import Pulse, Who
+from cosim.base.recording import Sink
+from cosim.base.supervised import Opening, Opens, Supervised
+from cosim.master.run.simulation import Progress, Simulation
+from cosim.realtime.command import Watch, zero_the_rest
+from cosim.realtime.control_loop import ControlLoop, LoopPacer
+from cosim.realtime.live import Feed
+from cosim.realtime.messages import Begun, Ending, LoopReport, Message, say
+from cosim.realtime.relay import RelayPump, make_rings
+from cosim.realtime.ring import Ring
+from cosim.realtime.signals import Ear, blocked, heard_by
+from cosim.realtime.supervisor import STALL_SECONDS, supervise
+
+LOCKSTEP_STALL_SECONDS = 10.0
+"""With devices in lock-step alone, time is counted in exchanges and the clock stops nothing."""
+UNKNOWN = "output unknown, cut the power: the device may still be pushing"
+
+
+@dataclass(slots=True)
+class PacedRun:
+    """Runs a simulation of the master in real time; afterwards it knows how that went.
+
+    Without ``real_time`` the system is asked for nothing.
+    """
+
+    pacer: LoopPacer | None = None
+    facts: Callable[[], Mapping[str, Any]] | None = None
+    """Asked in the loop's process after the loop; what it says is in ``report``."""
+    cpu: int | None = None
+    real_time: bool = True
+    say: Callable[[str], None] = print
+    console: Callable[[Feed], None] | None = None
+    """Called some fifty times a second in the recording process, to show how things stand."""
+    report: LoopReport | None = None
+    ending: Ending | None = None
+    pulse: Pulse = field(default_factory=Pulse)
+    lost_rows: int = 0
+    """Rows that came too fast for the recorder."""
+    _devices: dict[str, Supervised] = field(default_factory=dict[str, Supervised])
+    """Those that are open in this process, by component."""
+    _reached: int = 0
+    """Ticks whose rows have come."""
+
+    def __call__(self, simulation: Simulation, recorder: Sink, progress: Progress | None) -> None:
+        """Run to the scenario's end.
+
+        Raises:
+            InputError: a component or a device cannot be used.
+            RunError: the loop failed, a device faulted, or it is not known to be at zero.
+        """
+        if not hasattr(os, "fork"):
+            raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
+        run = _Run(self, simulation, self.pulse)
+        with ExitStack() as stack:
+            stack.callback(run.let_go)
+            try:
+                run.open_shared()
+            except BaseException:
+                run.close_all()  # nothing was forked yet: they are ours to zero
+                raise
+            run.ask_for_the_rest()
+            for ring in run.rings:
+                stack.callback(ring.remove)
+            stack.callback(run.feed.remove)
+            killed = run.record(recorder, progress)
+        self._conclude(simulation, killed, run)
+
+    def statistics(self) -> dict[str, Any]:
+        """Deadlines and what the system granted, for the manifest."""
+        if self.report is None:
+            return {}
+        grants = {grant.name: grant.sentence for grant in self.report.grants}
+        return {**self.report.deadlines, "system": grants, "lost_rows": self.lost_rows}
+
+    def found(self) -> Mapping[str, Any]:
+        """What ``facts`` said in the loop's process."""
+        facts = self.report.facts if self.report is not None else None
+        return facts or {}
+
+    def idle(self) -> bool:
+        """In the loop's process before the first tick: keep every device at zero; any there?
+
+        Raises:
+            KeyboardInterrupt: somebody has asked for the end.
+            RunError: a device is in fault.
+        """
+        if self.pulse.stop_asked:
+            raise KeyboardInterrupt
+        for device in self._devices.values():
+            device.idle()
+        return bool(self._devices)
+
+    @property
+    def devices(self) -> dict[str, Supervised]:
+        """Those that are open in this process, by component."""
+        return self._devices
+
+    def take(self, message: Message) -> None:
+        """Something that supervisor or loop have said."""
+        if isinstance(message, Grant):
+            if not message.granted:
+                self.say(message.sentence)
+        elif isinstance(message, LoopReport):
+            self.report = message
+        elif isinstance(message, Ending):
+            self.ending = message
+
+    def reach(self, tick: int) -> int:
+        """The rows before ``tick`` have come."""
+        self._reached = tick
+        return tick
+
+    def _conclude(self, simulation: Simulation, killed: str | None, run: _Run) -> None:
+        report = self.report
+        if report is not None and report.outcome is not None:
+            simulation.outcome = report.outcome
+        else:
+            simulation.outcome = replace(simulation.outcome, ticks=self._reached)
+        error = report.error if report is not None else None
+        sentences = [error[1]] if error is not None else []
+        if error is None and killed is not None:
+            sentences.append(killed)
+        elif error is None and self.ending is None:
+            sentences.append("supervisor and control loop died")
+        elif error is None and self.ending is not None and self.ending.reason:
+            sentences.append(self.ending.reason)
+        unsure = run.unsure()
+        if self.lost_rows:
+            self.say(f"the recorder was too slow for {self.lost_rows} rows: they are held values")
+        if not sentences and not unsure:
+            return
+        text = ". ".join([*sentences, *unsure])
+        if error is not None and error[0] == 2 and not unsure:
+            raise InputError(text)
+        raise RunError(text)
+
+
+class _Run:
+    """One run's devices, rings and processes."""
+
+    def __init__(self, paced: PacedRun, simulation: Simulation, pulse: Pulse) -> None:
+        self._paced, self._simulation, self._pulse = paced, simulation, pulse
+        self._parts: dict[str, Opens] = {
+            name: part.component
+            for name, part in simulation.assembly.participants.items()
+            if isinstance(part.component, Opens)
+        }
+        self._number = {name: number for number, name in enumerate(self._parts)}
+        self._rate: Fraction = simulation.scenario.base_rate
+        self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
+        self.feed = Feed(simulation.scenario.name, float(self._rate), self._parts, self.rings)
+
+    # --- devices ---------------------------------------------------------------------------------
+
+    def open_shared(self) -> None:
+        """Open the devices whose ports the other processes can go on with."""
+        self._pulse.who = Who.COMMAND
+        for _ in self._opening(shared=True):
+            pass
+
+    def ask_for_the_rest(self) -> None:
+        """What people have to be asked of the devices that the loop opens, where nobody is."""
+        for part in self._parts.values():
+            if not part.shares_port:
+                part.ask()
+
+    def _opening(self, *, shared: bool) -> Generator[Supervised]:
+        """One by one, so that the caller knows of those that are open when the next one fails."""
+        participants, scenario = self._simulation.assembly.participants, self._simulation.scenario
+        for name, part in self._parts.items():
+            if part.shares_port is shared:
+                device = part.open(
+                    Opening(
+                        name=name,
+                        number=self._number[name],
+                        tick=participants[name].period / self._rate,
+                        parameters=dict(scenario.components[name].parameters),
+                        pulse=self._pulse,
+                        clock=time.monotonic,
+                    )
+                )
+                self._paced.devices[name] = device
+                yield device
+
+    def close_all(self) -> None:
+        """Zero the devices that are open here, and let go of them."""
+        for device in self._paced.devices.values():
+            with suppress(Exception):
+                device.close()
+
+    def let_go(self) -> None:
+        """Of the ports; who had to be zeroed is."""
+        for device in self._paced.devices.values():
+            with suppress(Exception):
+                device.release()
+
+    def _numbered(self) -> list[tuple[int, Supervised]]:
+        return [(self._number[name], device) for name, device in self._paced.devices.items()]
+
+    def unsure(self) -> list[str]:
+        """What has to be said of devices that nobody saw at zero after their last torque."""
+        said: list[str] = []
+        for name, number in self._number.items():
+            if self._pulse.is_cold(number):
+                continue
+            device = self._paced.devices.get(name)
+            if device is None:
+                said.append(
+                    f"{name} is out of the supervisor's reach; its board's watchdog drops "
+                    "the torque"
+                )
+            elif device.drops_torque:
+                said.append(f"{device.name} does not answer; its own watchdog drops the torque")
+            elif not device.in_process:
+                said.append(f"{device.name}: {UNKNOWN}")
+        return said
+
+    # --- processes -------------------------------------------------------------------------------
+
+    def record(self, recorder: Sink, progress: Progress | None) -> str | None:
+        """Fork, and record until nobody can write any more; why they were killed, if they were."""
+        said, tell = os.pipe()
+        alive, hold = os.pipe()
+        with blocked():
+            supervisor = os.fork()
+            if supervisor == 0:
+                for mine in (said, hold):
+                    os.close(mine)
+                self._supervisor_process(tell, alive)
+            for theirs in (tell, alive):
+                os.close(theirs)
+            ear = Ear(self._pulse.ask_to_stop)
+            try:
+                with heard_by(ear) as wake:
+                    return self._record(supervisor, said, wake, recorder, progress)
+            finally:
+                os.close(said)
+                os.close(hold)
+
+    def _record(
+        self,
+        supervisor: int,
+        pipe: int,
+        wake: int,
+        recorder: Sink,
+        progress: Progress | None,
+    ) -> str | None:
+        paced, began = self._paced, time.perf_counter()
+        pumps: list[RelayPump] = []
+
+        def take(message: Message) -> None:
+            if isinstance(message, Begun):
+                groups = self._simulation.groups
+                recorder.begin(groups, self._rate)
+                self.feed.publish(groups, getattr(recorder, "folder", None))
+                pumps.append(RelayPump(self.rings, groups, recorder))
+            paced.take(message)
+
+        def now_and_then() -> None:
+            if paced.console is not None:
+                paced.console(self.feed)
+            for pump in pumps:
+                reached = paced.reach(min(pump.pump(), self._simulation.scenario.ticks))
+                paced.lost_rows = pump.lost
+                if progress is not None:
+                    progress(reached, time.perf_counter() - began)
+
+        watch = Watch(supervisor, self._pulse, pipe, wake, len(self._parts), timed=self._timed())
+        failed: BaseException | None = None
+        try:
+            watch.to_the_end(take, now_and_then)
+        except BaseException as error:  # a full disk, a console that is gone: the run has to end
+            failed = error
+            self._pulse.ask_to_stop()
+            watch.to_the_end(paced.take, lambda: None)
+        os.waitpid(supervisor, 0)
+        watch.close()
+        zero_the_rest(self._numbered(), self._pulse)
+        if failed is not None:
+            raise failed
+        now_and_then()
+        return watch.killed
+
+    def _supervisor_process(self, tell: int, alive: int) -> NoReturn:
+        """Supervise the loop, report; never returns."""
+        try:
+            os.setsid()
+            ending = supervise(
+                self._numbered(),
+                lambda: self._loop(tell),
+                self._pulse,
+                command=alive,
+                stall=STALL_SECONDS if self._timed() else LOCKSTEP_STALL_SECONDS,
+                real_time=self._paced.real_time,
+            )
+            say(tell, ending)
+        except BaseException as error:
+            text = f"the supervisor failed: {type(error).__name__}: {error}"
+            say(tell, LoopReport(error=(1, text)))
+        finally:
+            os._exit(0)
+
+    def _timed(self) -> bool:
+        """Whether a clock matters: not with devices in lock-step alone."""
+        devices = self._paced.devices.values()
+        apart = len(self._parts) > len(devices)
+        return apart or not devices or any(not device.lockstep for device in devices)
+
+    def _loop(self, tell: int) -> int:
+        """In the loop's process."""
+        paced = self._paced
+        assert paced.pacer is not None, "a paced run has a pacer"
+        loop = ControlLoop(
+            self._simulation,
+            paced.pacer,
+            self._pulse,
+            lambda message: say(tell, message),
+            real_time=paced.real_time,
+            cpu=paced.cpu,
+            facts=paced.facts,
+        )
+        return loop.run(
+            self.rings,
+            self.feed,
+            lambda: self._opening(shared=False),
+            self._in_order,
+        )
+
+    def _in_order(self) -> Sequence[Supervised]:
+        """Every device, as the feed tells of them."""
+        return [self._paced.devices[name] for name in self._parts]

@@ -1,1 +1,0 @@
-"""The paced run: loop, supervisor and recorder in three processes."""
