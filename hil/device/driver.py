@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from cosim.base.pulse import Pulse
-from hil.device.contract import BusUse, Received, Watchdog
+from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
@@ -147,6 +147,10 @@ class Driver(ABC):
     @abstractmethod
     def send_zero(self) -> bool:
         """Command zero; whether that went out, or is known to be there. An answer confirms it."""
+
+    def feed(self) -> None:
+        """Zero torque, and all that keeps the board's watchdog from firing from now on."""
+        self.send(ZERO)
 
     @abstractmethod
     def close(self) -> None:

@@ -22,7 +22,7 @@ from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
 from hil.emulation.side_channel import Control
 from hil.emulation.world import World
-from hil.setup.registry import find
+from hil.setup.registry import find, names
 
 PATIENCE = 600.0
 """Seconds to wait for an emulator's first word; one that dies is noticed at once."""
@@ -58,15 +58,22 @@ def make(order: Order) -> Made:
     Raises:
         InputError: there is no driver of that name, it has no emulator, or that has no such link.
     """
-    kind = find(order.name)
-    if kind.emulator is None:
-        raise InputError(f"the driver '{order.name}' has no emulator")
-    module, _, name = kind.emulator.partition(":")
+    module, _, name = _maker(order.name).partition(":")
     board = getattr(import_module(module), name)
     body = SimulatedPantograph(
         order.parameters, hand=Hand(**order.hand), operator=order.operator, step=order.tick
     )
     return board(order, World(body, lockstep=order.lockstep))
+
+
+def _maker(name: str) -> str:
+    kind = find(name)
+    if kind.emulator is None:
+        emulated = [each for each in names() if find(each).emulator is not None]
+        raise InputError(
+            f"there is no emulator of '{name}'; there are some of {', '.join(emulated)}"
+        )
+    return kind.emulator
 
 
 def on_can(name: str, order: Order, board: Board, owns: Callable[[int], bool]) -> Made:
@@ -125,6 +132,7 @@ class Emulator:
     """An emulator in a process of its own, with its side channel."""
 
     def __init__(self, order: Order, *, method: str = "forkserver") -> None:
+        _maker(order.name)  # refused here, and not in the other process
         context: Any = multiprocessing.get_context(method)
         self._folder = tempfile.mkdtemp(prefix="cohaptic-")
         self._lifeline, theirs = context.Pipe()

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
 
-from hil.device.contract import ZERO, Received, State, WatchdogProof
+from hil.device.contract import Received, State, WatchdogProof
 from hil.device.device import Device
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, DeviceError, LifecycleError
@@ -92,7 +92,7 @@ def _starve(driver: Driver, timeout: float) -> float:
 
 
 def _exchange(driver: Driver) -> Received:
-    driver.send(ZERO)
+    driver.feed()
     driver.pause()
     return driver.receive()
 

@@ -16,7 +16,7 @@ from time import monotonic
 from typing import ClassVar
 
 from cosim.base.errors import InputError
-from hil.device.contract import BusUse, Received, Watchdog
+from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
@@ -225,6 +225,10 @@ class CanopenDriver(Driver):
             if self._since_beat >= self._beat_ticks or self._late():
                 self._beat()
         return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
+
+    def feed(self) -> None:
+        self.send(ZERO)
+        self._beat()
 
     def _late(self) -> bool:
         """Whether the loop's ticks take longer than they should: heartbeats go by the clock."""

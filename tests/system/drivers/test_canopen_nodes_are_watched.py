@@ -12,6 +12,7 @@ from hil.device.contract import Cause, Outcome, State
 from hil.device.errors import DeviceError, DeviceFault
 from hil.emulation.board import Frame
 from hil.safety.permission import emulated
+from hil.setup.watchdog_proof import prove_watchdog
 from tests.support.hil.canopen_bench import REST, Wire, ready, run
 from tests.support.hil.driver_bench import Bench
 
@@ -144,7 +145,7 @@ def test_without_our_heartbeat_the_outputs_drop_by_themselves(bench: Bench):
 @pytest.mark.parametrize("name", ["canopen", "canopen (2 nodes)", "canopen (3 nodes)"])
 def test_the_watchdog_is_seen_to_fire_and_the_nodes_start_again(name, bench: Bench):
     rig = bench.rig(name, activate=False)
-    proof = rig.device.prove_watchdog()
+    proof = prove_watchdog(rig.device)
     assert proof.timeout == 0.02
     assert 0.02 <= proof.fired_after + 2 / 1024 <= 0.03, "the last exchange fed it, too"
     assert proof.serial == "4711"
@@ -163,7 +164,7 @@ def test_a_node_that_never_fires_proves_nothing(wire):
     wire.node(3).listen = lambda now: None
     device.permission = emulated("x", None)
     with pytest.raises(DeviceError, match="did not fire"):
-        device.prove_watchdog()
+        prove_watchdog(device)
 
 
 def test_a_node_that_holds_on_an_error_would_have_held(wire):

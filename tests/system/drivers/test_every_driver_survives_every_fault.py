@@ -62,7 +62,7 @@ def test_outcome(name: str, fault: str, bench: Bench):
     assert rig.device.state is State.ACTIVE, rig.device.fault_sentence()
     kind, values = FAULTS[fault]
     rig.fault(kind, **values)
-    faulted, oldest, last = None, 0, ZERO
+    faulted, oldest, last = None, 0, rig.device.sent
     for passed in range(LONGEST.get(kind, TICKS)):
         (exchanged,) = rig.exchange(1, (0.01, -0.01))
         oldest = max(oldest, exchanged[0].sample_age)

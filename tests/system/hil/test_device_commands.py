@@ -55,5 +55,5 @@ def test_mistakes_are_sentences():
         invoke("check", "haply:///dev/does-not-exist")
     with pytest.raises(InputError, match="is for 'cobs'"):
         invoke("emulate", "haply", "--firmware")
-    with pytest.raises(InputError, match="there is no emulator"):
+    with pytest.raises(InputError, match="there is no device driver 'spoon'"):
         invoke("emulate", "spoon")
