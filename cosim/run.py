@@ -5,8 +5,9 @@ The commands, sweeps and tests all run scenarios through here.
 
 from __future__ import annotations
 
+import hashlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup
+from cosim.master.assembly.files import files_of
 from cosim.master.run.simulation import Outcome, Progress, Simulation, assemble
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
@@ -23,7 +25,7 @@ from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
 from cosim.record.writer import Recorder
 from cosim.report.expectation import Expectation, parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
-from cosim.scenario import Scenario
+from cosim.scenario import Kind, Scenario
 from cosim.scenario.resolved import to_yaml
 
 FIGURE_FILE = "overview.png"
@@ -96,9 +98,10 @@ def run_scenario(
             for column in group.columns
         }
         expectations = parse_expectations(scenario, units)
-        manifest = describe(scenario, _components(simulation))
+        manifest = describe(simulation.scenario, _components(simulation))
+        manifest["files"] = _input_files(simulation)
         manifest["notes"] = list(simulation.notes)
-        recorder = _FolderRecorder(scenario, out, manifest, began)
+        recorder = _FolderRecorder(simulation.scenario, out, manifest, began)
         error = _run(simulation, recorder, execute or _here, progress)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
@@ -187,6 +190,35 @@ def _components(simulation: Simulation) -> dict[str, dict[str, Any]]:
         if fmu is not None:
             found[name] |= {"fmi": fmu.version, "token": fmu.token, "sha256": fmu.sha256}
     return found
+
+
+def _input_files(simulation: Simulation) -> dict[str, str]:
+    """SHA-256 (hex) by path of what else the numbers depend on.
+
+    Tables, traces, device files and records played back; where there is no file, its reader says
+    so.
+    """
+    found = sorted({file for file in _named_files(simulation) if file.is_file()})
+    return {str(file): _sha256(file) for file in found}
+
+
+def _named_files(simulation: Simulation) -> Iterator[Path]:
+    scenario = simulation.scenario
+    for name, component in scenario.components.items():
+        yield from files_of(simulation.assembly.participants[name])
+        if component.kind is Kind.PLAYBACK:
+            yield Path(component.source) / RUN_FILE
+        if component.kind is Kind.DEVICE and isinstance(component.options.get("file"), str):
+            yield Path(component.options["file"])
+    for channel in scenario.channels.values():
+        for way in (channel.forward, channel.backward):
+            files = (getattr(effect, "file", None) for effect in way.impairments.values())
+            yield from (file for file in files if isinstance(file, Path))
+
+
+def _sha256(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
 
 
 def _timing(outcome: Outcome, recorder: _FolderRecorder, scenario: Scenario) -> dict[str, float]:

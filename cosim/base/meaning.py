@@ -58,6 +58,8 @@ class Meaning(StrEnum):
     """Parameter: the component's own period (s); follows from its rate."""
     NETWORK_TICKS = "network_ticks"
     """Parameter: own periods in a network period; follows from the rates."""
+    FILE = "file"
+    """Text parameter: the name of a file, relative to the file that it is written in."""
     OWN_DEVICE = "own_device"
     """Parameter: describes a station's own device and where it stands; no affair of a peer's."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.table import Causality, Enumeration, Item, Model, Variable
 
 VIA_POINTS = 16
@@ -144,6 +145,7 @@ MODEL = Model(
             causality="parameter",
             type="string",
             start="",
+            meaning=Meaning.FILE,
         ),
         Variable(
             name="force_mode",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cosim.base.meaning import Meaning
 from fmus.table import Enumeration, Item, Model, Variable
 
 MODE = Enumeration(
@@ -71,6 +72,7 @@ MODEL = Model(
             causality="parameter",
             type="string",
             start="",
+            meaning=Meaning.FILE,
         ),
     ),
 )

@@ -10,6 +10,7 @@ from cosim.base.problems import Problems
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.connections import wire
+from cosim.master.assembly.files import with_files
 from cosim.master.assembly.layout import Layout, lay_out
 from cosim.master.assembly.participants import Factory, Participant, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
@@ -53,6 +54,7 @@ def put_together(
     problems = Problems(scenario.root)
     clock = Clock(scenario.base_rate)
     participants = read_participants(scenario, clock, problems, instances, kinds)
+    scenario = with_files(scenario, participants)
     follow_rates(scenario, participants, problems)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)

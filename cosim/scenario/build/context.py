@@ -12,7 +12,7 @@ from cosim.base.problems import Problems
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.timebase import Timebase
 from cosim.scenario.form.document import Document
-from cosim.scenario.source.find import folder_of
+from cosim.scenario.source.find import folder_at
 
 
 @dataclass(slots=True, kw_only=True)
@@ -72,5 +72,4 @@ class Context:
 
     def folder(self, path: tuple[PathKey, ...]) -> Path:
         """The folder that a relative file name at ``path`` starts from: its own file's."""
-        place = self.root.locate(path)
-        return folder_of(place.file) if place.line else Path.cwd()
+        return folder_at(self.root.locate(path))

@@ -68,6 +68,11 @@ def folder_of(file: str) -> Path:
     return Path.cwd() if path.is_fifo() or file == STANDARD_INPUT else path.parent
 
 
+def folder_at(place: Location) -> Path:
+    """The folder that a relative name written at ``place`` starts from."""
+    return folder_of(place.file) if place.line else Path.cwd()
+
+
 def _find_bundled(text: str, path: Path, location: Location | None) -> Path:
     if path.is_symlink():
         target = path.readlink()

@@ -105,7 +105,8 @@ def _without_replaced(base: dict[str, Node], over: dict[str, Node], path: Path) 
     dropped: set[str] = set()
     if len(path) == 2 and path[0] == "components":
         kinds = new.intersection(KINDS)
-        if kinds and not kinds.intersection(base):
+        before = set(base).intersection(KINDS)
+        if kinds and before and not kinds & before:
             dropped.update(KIND_KEYS)
     if len(path) == 2 and path[0] == "channels":
         from cosim.scenario.impairments.registry import DELAY_FORMS

@@ -1,0 +1,46 @@
+"""Parameters that name a file: relative to where they are written, and absolute from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from cosim.base.meaning import Meaning
+from cosim.master.assembly.participants import Participant
+from cosim.scenario import Scenario
+from cosim.scenario.source.find import folder_at
+
+
+def with_files(scenario: Scenario, participants: Mapping[str, Participant]) -> Scenario:
+    """The scenario with absolute file names, which the participants get, too.
+
+    A relative name starts from the folder of the file that it is written in, one of ``--set``
+    from the working folder.
+    """
+    changed = dict(scenario.components)
+    for name, participant in participants.items():
+        variables = participant.interface.variables
+        found: dict[str, str] = {}
+        for parameter, given in changed[name].parameters.items():
+            variable = variables.get(parameter)
+            if variable is None or variable.meaning is not Meaning.FILE or not given:
+                continue
+            place = scenario.locate(("components", name, "parameters", parameter))
+            file = (folder_at(place) / Path(str(given)).expanduser()).absolute()
+            found[parameter] = str(file)
+            participant.parameters[parameter] = [str(file)]
+        if found:
+            parameters = {**changed[name].parameters, **found}
+            changed[name] = replace(changed[name], parameters=parameters)
+    return replace(scenario, components=changed)
+
+
+def files_of(participant: Participant) -> list[Path]:
+    """The files that the component's parameters name."""
+    variables = participant.interface.variables
+    return [
+        Path(str(elements[0]))
+        for name, elements in participant.parameters.items()
+        if name in variables and variables[name].meaning is Meaning.FILE and elements[0]
+    ]
