@@ -16,12 +16,15 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cosim.analysis import load_tuned as load
-    from cosim.base.component import Component
+    from cosim.base.component import Causality, Component, Variable, VariableType
     from cosim.record import open_run
     from cosim.run import run_scenario as run
 else:
     _HOMES = {
+        "Causality": ("cosim.base.component", "Causality"),
         "Component": ("cosim.base.component", "Component"),
+        "Variable": ("cosim.base.component", "Variable"),
+        "VariableType": ("cosim.base.component", "VariableType"),
         "load": ("cosim.analysis", "load_tuned"),
         "open_run": ("cosim.record", "open_run"),
         "run": ("cosim.run", "run_scenario"),
@@ -41,4 +44,4 @@ else:
         return sorted({*globals(), *_HOMES})
 
 
-__all__ = ["Component", "load", "open_run", "run"]
+__all__ = ["Causality", "Component", "Variable", "VariableType", "load", "open_run", "run"]
