@@ -20,6 +20,7 @@ from cosim.base.suggest import did_you_mean
 if TYPE_CHECKING:
     from cosim.analysis.grasp import Grasp
     from cosim.scenario import Scenario
+    from cosim.scenario.form.sections import Forms
 
 CHOICES = ("auto", "cautious")
 
@@ -28,6 +29,8 @@ def load_tuned(
     path: str | PathLike[str],
     overlays: Sequence[str | PathLike[str]] = (),
     sets: Sequence[str] = (),
+    *,
+    forms: Forms | None = None,
 ) -> Scenario:
     """Load a scenario and put numbers in place of every ``compensation: auto``.
 
@@ -38,7 +41,7 @@ def load_tuned(
     """
     from cosim.scenario.load import read
 
-    written = read(path, overlays, sets)
+    written = read(path, overlays, sets, forms=forms)
     scenario = written.built()
     wanted = {
         name: str(part.parameters["compensation"])

@@ -32,6 +32,8 @@ class Form(BaseModel):
     """Keys that a form may have in a file, but that its reader has dealt with already."""
     unknown_in: ClassVar[str] = ""
     """The member that an unknown key is likely to belong into."""
+    any_other: ClassVar[Any] = None
+    """What keys of the user's own choice lead to, in a form that takes them."""
 
 
 F = TypeVar("F", bound=BaseModel)

@@ -243,4 +243,5 @@ def _members(kind: Any, key: PathKey) -> list[Any]:
     for name, field in _fields(kind).items():
         if key == (field.alias or name):
             return [field.annotation]
-    return []
+    other = getattr(kind, "any_other", None)
+    return [] if other is None else [other]

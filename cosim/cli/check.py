@@ -35,9 +35,10 @@ def command(
 ) -> None:
     """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
     if schema:
+        from cosim.cli.support.forms import FORMS
         from cosim.scenario.form.document import json_schema
 
-        click.echo(json.dumps(json_schema(), indent=2))
+        click.echo(json.dumps(json_schema(FORMS), indent=2))
         return
     if scenario is None:
         raise click.UsageError("name a scenario: a file, or a bundled one such as two_users_box.")
@@ -63,11 +64,12 @@ def _check(
     """The loaded scenario and what there is to say about it."""
     from cosim.analysis import load_tuned
     from cosim.cli.support.check_devices import check_devices
+    from cosim.cli.support.forms import FORMS
     from cosim.master.run.simulation import assemble
     from cosim.record.playback import KINDS
     from cosim.scenario.describe import describe
 
-    loaded = load_tuned(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
     with assemble(loaded, kinds=KINDS) as simulation:
         devices = check_devices(loaded, simulation)
         return loaded, {**describe(loaded), **_plan(simulation), **devices}
@@ -111,7 +113,7 @@ def _problems(error: InputError) -> list[dict[str, Any]]:
 
 
 def _text(report: dict[str, Any]) -> str:
-    from cosim.cli.support.check_devices import bus_rows, device_rows
+    from cosim.cli.support.check_devices import bus_rows, device_rows, limit_rows, proof_rows
 
     time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
     lines = [report["title"] or report["name"], f"{time}, seed {report['seed']}"]
@@ -143,6 +145,8 @@ def _text(report: dict[str, Any]) -> str:
         ("Packets", packets),
         ("Recorded", recorded),
         ("Devices", device_rows(report)),
+        ("Device files", proof_rows(report)),
+        ("Limits of the devices", limit_rows(report)),
         ("CAN buses", bus_rows(report)),
     ):
         lines += ["", title, *_table(rows)] if rows else []

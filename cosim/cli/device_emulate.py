@@ -104,10 +104,11 @@ def _from_scenario(
 ) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
     from cosim.analysis import load_tuned
     from cosim.base.errors import InputError
+    from cosim.cli.support.forms import FORMS
 
     if scenario is None or component is None:
         return {"initial_tip_position": (0.0425, 0.2)}, None
-    loaded = load_tuned(scenario, overlays)
+    loaded = load_tuned(scenario, overlays, forms=FORMS)
     if component not in loaded.components:
         raise InputError(f"{scenario} has no component '{component}'")
     movers = [

@@ -6,14 +6,16 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 from cosim.cli.support.console import Console, ended
-from cosim.cli.support.devices import output_options
+from cosim.cli.support.devices import output_options, refuse_without_devices
+from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
 
 if TYPE_CHECKING:
+    from cosim.cli.support.pace import Policy
     from cosim.master.run.simulation import Progress
     from cosim.realtime.paced_run import PacedRun
     from cosim.scenario import Scenario
@@ -43,13 +45,7 @@ if TYPE_CHECKING:
 )
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
-@click.option(
-    "--policy",
-    type=click.Choice(["count", "stop"]),
-    default="count",
-    show_default=True,
-    help="What a missed deadline means, with --realtime.",
-)
+@miss_options
 @output_options
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
@@ -61,7 +57,7 @@ def command(
     *,
     figure: bool,
     realtime: bool,
-    policy: Literal["count", "stop"],
+    on_miss: Policy | None,
     cpu: int | None,
     enable_output: bool,
     yes: bool,
@@ -74,11 +70,14 @@ def command(
     2 something that was given cannot be used.
     """
     from cosim.analysis import load_tuned
+    from cosim.cli.support.forms import FORMS
     from cosim.run import run_scenario
 
+    refuse_without_realtime(realtime=realtime, on_miss=on_miss, cpu=cpu)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load_tuned(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
+    refuse_without_devices(loaded, enable_output=enable_output, yes=yes, dead_man=dead_man)
     paced = _devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime
     )
@@ -87,9 +86,10 @@ def command(
         from cosim.base.grants import clock_nanosleep
         from cosim.realtime.pacing import DeadlinePacer
 
+        pace = pace_of(loaded, on_miss=on_miss, cpu=cpu)
         tick = 1 / loaded.base_rate
-        paced.cpu = cpu
-        paced.pacer = DeadlinePacer(tick_seconds=tick, policy=policy, sleep=clock_nanosleep())
+        paced.cpu = pace.cpu
+        paced.pacer = DeadlinePacer(tick_seconds=tick, policy=pace.on_miss, sleep=clock_nanosleep())
         paced.console = console
     with _progress(loaded) if paced is None else ended(console) as progress:
         finished = run_scenario(

@@ -6,14 +6,16 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 from cosim.cli.support.console import Console, ended
-from cosim.cli.support.devices import output_options
+from cosim.cli.support.devices import output_options, refuse_without_devices
+from cosim.cli.support.pace import miss_options, pace_of
 
 if TYPE_CHECKING:
+    from cosim.cli.support.pace import Policy
     from cosim.link.wire.transport import Address
 
 
@@ -46,14 +48,7 @@ if TYPE_CHECKING:
     default=True,
     help="Ask the system for real-time scheduling (a station always runs in real time).",
 )
-@click.option(
-    "--on-miss",
-    "policy",
-    type=click.Choice(["count", "stop"]),
-    default="count",
-    show_default=True,
-    help="What a missed deadline means.",
-)
+@miss_options
 @output_options
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
@@ -70,7 +65,7 @@ def command(
     duration: str | None,
     wait: float | None,
     realtime: bool,
-    policy: Literal["count", "stop"],
+    on_miss: Policy | None,
     cpu: int | None,
     enable_output: bool,
     yes: bool,
@@ -88,6 +83,7 @@ def command(
     from cosim.analysis.longest_delay import longest_delay
     from cosim.base.grants import clock_nanosleep
     from cosim.cli.support.devices import device_session, say
+    from cosim.cli.support.forms import FORMS
     from cosim.link.wire.transport import Address
     from cosim.realtime.paced_run import PacedRun
     from cosim.station.run import Arrangement, run_station
@@ -97,15 +93,19 @@ def command(
         signal.signal(number, signal.default_int_handler)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load_tuned(scenario, overlays, sets)
+    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
+    refuse_without_devices(
+        loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, station=own
+    )
+    pace = pace_of(loaded, on_miss=on_miss, cpu=cpu)
     device_session(enable_output=enable_output, yes=yes, dead_man=dead_man)
     console = Console() if sys.stderr.isatty() else None
     arrangement = Arrangement(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
         key_files={name: Path(file) for name, file in _by_station(keys, "--key").items()},
-        execute=PacedRun(cpu=cpu, real_time=realtime, say=say, console=console),
-        policy=policy,
+        execute=PacedRun(cpu=pace.cpu, real_time=realtime, say=say, console=console),
+        policy=pace.on_miss,
         patience=wait,
         sleep=clock_nanosleep(),
         theory=longest_delay,

@@ -6,10 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cosim.base.garbage import without_collecting
 from cosim.base.node import Node
 from cosim.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from cosim.scenario.form.sections import Forms
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +22,8 @@ class Written:
 
     file: Path
     root: Node
+    forms: Forms | None = None
+    """Those of the sections that others obey (``cosim.scenario.form.sections``)."""
 
     def changed(self, sets: Sequence[str]) -> Written:
         """The same with further overrides."""
@@ -26,7 +32,7 @@ class Written:
         root = self.root
         for override in sets:
             root = apply_override(root, override)
-        return Written(self.file, root)
+        return Written(self.file, root, self.forms)
 
     def built(self) -> Scenario:
         """The checked scenario.
@@ -37,19 +43,21 @@ class Written:
         from cosim.scenario.build.scenario import build
 
         with without_collecting():
-            return build(self.root, self.file)
+            return build(self.root, self.file, self.forms)
 
 
 def read(
     path: str | PathLike[str],
     overlays: Sequence[str | PathLike[str]] = (),
     sets: Sequence[str] = (),
+    *,
+    forms: Forms | None = None,
 ) -> Written:
     """Read a scenario's files, each once: a pipe cannot be read again.
 
     ``path`` and ``overlays`` are found as files first and then by bundled name, with or without
     ``scenarios/`` and ``.yaml``; ``-`` is standard input. ``sets`` are ``a.b=c`` overrides,
-    applied after the overlays.
+    applied after the overlays. ``forms`` are those of the sections that others obey.
 
     Raises:
         InputError: a file cannot be read, or an override leads nowhere.
@@ -61,13 +69,15 @@ def read(
         file, root = read_document(path)
         for overlay in overlays:
             root = merge(root, read_document(overlay, is_overlay=True)[1])
-        return Written(file, root).changed(sets)
+        return Written(file, root, forms).changed(sets)
 
 
 def load(
     path: str | PathLike[str],
     overlays: Sequence[str | PathLike[str]] = (),
     sets: Sequence[str] = (),
+    *,
+    forms: Forms | None = None,
 ) -> Scenario:
     """Read and check a scenario; the arguments are those of ``read``.
 
@@ -77,4 +87,4 @@ def load(
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
     """
-    return read(path, overlays, sets).built()
+    return read(path, overlays, sets, forms=forms).built()

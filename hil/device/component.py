@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import asdict, replace
 from fractions import Fraction
 from math import nan
 from pathlib import Path
@@ -58,6 +58,9 @@ class DeviceComponent(Component):
         place = Location("safety", 0, 0)
         self.safety = read_form(SafetyForm, plain_node(safety or {}, place), "'safety'").given()
         self.file = replace(file, limits=file.limits.tightened(self.safety))
+        own, now = asdict(file.limits), asdict(self.file.limits)
+        self.tightened = [name for name in own if now[name] != own[name]]
+        """Limits that the scenario's ``safety`` made tighter than the device's own."""
         self.device: Device | None = None
         self._owner = 0
         """The process that opened the device; it alone closes the port."""

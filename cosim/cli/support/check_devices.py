@@ -10,6 +10,7 @@ from cosim.scenario import Kind, Scenario
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
+    from hil.device.component import DeviceComponent
 
 
 def check_devices(scenario: Scenario, simulation: Simulation) -> dict[str, Any]:
@@ -52,12 +53,64 @@ def check_devices(scenario: Scenario, simulation: Simulation) -> dict[str, Any]:
     latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
     return {
         "devices": {
-            name: {"url": component.address.url, "latency_ticks": latency[name]}
+            name: {
+                "url": component.address.url,
+                "latency_ticks": latency[name],
+                "file": _file(component),
+            }
             for name, (component, _) in devices.items()
         },
         "buses": buses,
         "warnings": latency_warnings(scenario, latency),
     }
+
+
+def _file(component: DeviceComponent) -> dict[str, Any]:
+    """What its device file says, and what holds of its limits and the scenario's."""
+    from dataclasses import asdict
+
+    file = component.file
+    return {
+        "path": None if file.path is None else str(file.path),
+        "preset": file.preset,
+        "serial": file.serial,
+        "date": file.date,
+        "estop_confirmed": file.estop_confirmed,
+        "watchdog_proof": None if file.watchdog_proof is None else asdict(file.watchdog_proof),
+        "limits": {
+            name: {"value": value, "from": "safety" if name in component.tightened else "device"}
+            for name, value in asdict(file.limits).items()
+        },
+    }
+
+
+def limit_rows(report: dict[str, Any]) -> list[list[str]]:
+    """The table of limits: the tighter of a device's own and the scenario's ``safety:``."""
+    return [
+        [
+            name,
+            ", ".join(
+                f"{limit} {facts['value']:g}{' (safety)' if facts['from'] == 'safety' else ''}"
+                for limit, facts in device["file"]["limits"].items()
+            ),
+        ]
+        for name, device in report["devices"].items()
+    ]
+
+
+def proof_rows(report: dict[str, Any]) -> list[list[str]]:
+    """The table of device files: which device, of when, and what was seen of its watchdog."""
+    rows: list[list[str]] = []
+    for name, device in report["devices"].items():
+        file = device["file"]
+        if file["path"] is None:
+            continue
+        proof = file["watchdog_proof"]
+        seen = "" if proof is None else f"watchdog seen to fire on {proof['date']} after "
+        seen += "" if proof is None else f"{proof['fired_after'] * 1e3:g} ms"
+        serial = f"serial {file['serial']}" if file["serial"] else "no serial"
+        rows.append([name, file["path"], serial, file["date"] or "no date", seen])
+    return rows
 
 
 def device_rows(report: dict[str, Any]) -> list[list[str]]:

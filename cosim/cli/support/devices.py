@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.base.errors import InputError
+
 if TYPE_CHECKING:
+    from cosim.scenario import Scenario
     from hil.setup.session import Session
 
 Command = Callable[..., Any]
@@ -60,6 +63,38 @@ def device_session(*, enable_output: bool, yes: bool, dead_man: str | None = Non
             say=say,
         )
     )
+
+
+def refuse_without_devices(
+    scenario: Scenario,
+    *,
+    enable_output: bool,
+    yes: bool,
+    dead_man: str | None,
+    station: str | None = None,
+) -> None:
+    """Refuse options that act on devices alone.
+
+    Raises:
+        InputError: one was given where no device runs, or nothing that it could act on.
+    """
+    has_devices = any(
+        part.kind == "device" and station in (None, part.station)
+        for part in scenario.components.values()
+    )
+    given = {"--enable-output": enable_output, "--yes": yes, "--dead-man": dead_man is not None}
+    named = [name for name, is_given in given.items() if is_given]
+    if named and not has_devices:
+        where = f"the station {station}" if station is not None else scenario.name
+        raise InputError(
+            f"{' and '.join(named)}: {where} has no device; lay one over it with --with "
+            f"devices/mock, or leave {'it' if len(named) == 1 else 'them'} out."
+        )
+    if named and not enable_output:
+        raise InputError(
+            f"{' and '.join(named)} without --enable-output: no force comes out that "
+            "it could allow; add --enable-output, or leave it out."
+        )
 
 
 def say(sentence: str) -> None:

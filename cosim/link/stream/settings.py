@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from typing import Any
 
-from cosim.base.errors import InputError
-from cosim.base.show import show
-from cosim.base.suggest import did_you_mean
+from cosim.base.errors import Location
+from cosim.base.form import plain_node, read_form
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import LossPolicy
 from cosim.link.stream.receiver import Release
 
@@ -51,67 +51,18 @@ class LinkSettings:
         """The settings in a mapping.
 
         Raises:
-            InputError: an unknown name, or a value that makes no sense; ``where`` names the place.
+            InputError: unknown names, or values that make no sense; ``where`` names the place.
         """
-        unknown = [name for name in options if name not in _READERS]
-        if unknown:
-            hint = did_you_mean(unknown[0], _READERS, listed=len(_READERS))
-            message = f"{where} has no link setting {unknown[0]}.{hint}"
-            raise InputError(message)
-        values: dict[str, Any] = {}
-        for name, value in options.items():
-            try:
-                values[name] = _READERS[name](value)
-            except (ValueError, TypeError) as error:
-                message = f"{where}: {name} cannot be {show(value)}: {error}"
-                raise InputError(message) from None
-        policy = {name: values.pop(name) for name in list(values) if name in _POLICY}
-        return cls(**values, loss=LossPolicy(**policy))
+        node = plain_node(options, Location(where, 0, 0))
+        given = read_form(LinkForm, node, "'link'").model_dump(exclude_none=True)
+        policy = {name: given.pop(name) for name in list(given) if name in _POLICY}
+        if "release" in given:
+            given["release"] = Release(given["release"])
+        if given.get("delay") == "auto":
+            given["delay"] = None
+        if "clock" in given:
+            given["clock"] = ClockMode(given["clock"])
+        return cls(**given, loss=LossPolicy(**policy))
 
 
-def _whole(minimum: int) -> Callable[[Any], int]:
-    def read(value: Any) -> int:
-        if isinstance(value, bool) or int(value) != value or value < minimum:
-            message = f"it is a whole number, {minimum} or more"
-            raise ValueError(message)
-        return int(value)
-
-    return read
-
-
-def _seconds(value: Any) -> float:
-    if isinstance(value, str):
-        value = value.removesuffix("s").strip()
-        scale = 1e-3 if value.endswith("m") else 1.0
-        value = float(value.removesuffix("m")) * scale
-    if isinstance(value, bool) or not 0.0 < float(value) <= 60.0:
-        message = "it is a time above 0 and up to 60 s"
-        raise ValueError(message)
-    return float(value)
-
-
-def _boolean(value: Any) -> bool:
-    if not isinstance(value, bool):
-        message = "it is true or false"
-        raise TypeError(message)
-    return value
-
-
-def _auto(value: Any) -> int | None:
-    return None if value == "auto" else _whole(1)(value)
-
-
-_POLICY = ("hold_samples", "hold", "fade", "resume", "resume_samples", "ramp_at_start")
-_READERS: Mapping[str, Callable[[Any], Any]] = {
-    "release": Release,
-    "delay": _auto,
-    "max_delay": _whole(1),
-    "clock": ClockMode,
-    "add_impairments": _boolean,
-    "hold_samples": _whole(1),
-    "hold": _seconds,
-    "fade": _seconds,
-    "resume": _seconds,
-    "resume_samples": _whole(1),
-    "ramp_at_start": _boolean,
-}
+_POLICY = frozenset(field.name for field in fields(LossPolicy))

@@ -16,7 +16,8 @@ from cosim.scenario.build.component import build_component
 from cosim.scenario.build.connection import build_connection, check_signal
 from cosim.scenario.build.context import Context
 from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
-from cosim.scenario.form.document import document_form
+from cosim.scenario.form.document import Document, document_form
+from cosim.scenario.form.sections import Forms, plain, written_in
 from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
 from cosim.scenario.source.notation import components_in
 
@@ -29,7 +30,7 @@ PLACEHOLDERS: dict[str, Any] = {"cohaptic": 1, "duration": 1, "components": {}}
 """Stand in for required keys that are missing or wrong while the rest is checked."""
 
 
-def build(root: Node, file: Path) -> Scenario:
+def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
     """Check and resolve a merged document.
 
     Raises:
@@ -38,8 +39,9 @@ def build(root: Node, file: Path) -> Scenario:
     assert isinstance(root.value, dict)
     members = {key: node for key, node in root.value.items() if not key.startswith("x-")}
     root = Node(members, root.place, root.key_place, root.removed)
-    problems = Problems(root, document_form(), "the scenario")
-    context = _validate(root, problems)
+    form = document_form(written_in(root, forms or {}))
+    problems = Problems(root, form, "the scenario")
+    context = _validate(root, problems, form)
     document = context.document
     timebase = _timebase(context)
     context.timebase = timebase
@@ -67,22 +69,22 @@ def build(root: Node, file: Path) -> Scenario:
         channels=channels,
         connections=connections,
         record=record,
-        expect=document.expect,
-        safety=document.safety,
-        realtime=document.realtime,
-        link=document.link,
+        expect={signal: plain(conditions) for signal, conditions in document.expect.items()},
+        safety=plain(document.safety),
+        realtime=plain(document.realtime),
+        link=plain(document.link),
         root=root,
     )
 
 
-def _validate(root: Node, problems: Problems) -> Context:
+def _validate(root: Node, problems: Problems, form: type[Document]) -> Context:
     """The document without its bad members, which are reported."""
     reported: set[tuple[PathKey, ...]] = set()
     dropped: set[tuple[PathKey, ...]] = set()
     while True:
-        plain, kept = _without(root.plain(), dropped)
+        document_as_written, kept = _without(root.plain(), dropped)
         try:
-            document = document_form().model_validate(plain)
+            document = form.model_validate(document_as_written)
             return Context(
                 root=root, problems=problems, document=document, kept=kept, doubtful=reported
             )
@@ -110,25 +112,25 @@ def _as_written(loc: tuple[PathKey, ...], kept: dict[str, list[int]]) -> tuple[P
 
 
 def _without(
-    plain: dict[str, Any], dropped: set[tuple[PathKey, ...]]
+    written: dict[str, Any], dropped: set[tuple[PathKey, ...]]
 ) -> tuple[dict[str, Any], dict[str, list[int]]]:
     """The plain document without the dropped nodes, and the index of each item that is left."""
     for path in dropped:
-        inner: Any = plain
+        inner: Any = written
         for key in path[:-1]:  # union tags are in the path, but not in the document
             if isinstance(inner, list) or (isinstance(inner, dict) and key in inner):
                 inner = cast("Any", inner)[key]
         if isinstance(inner, dict):
             cast("dict[PathKey, Any]", inner).pop(path[-1], None)
-    plain |= {key: PLACEHOLDERS[key] for key in PLACEHOLDERS if (key,) in dropped}
+    written |= {key: PLACEHOLDERS[key] for key in PLACEHOLDERS if (key,) in dropped}
     kept: dict[str, list[int]] = {}
     for key in LISTS:
-        items = plain.get(key)
+        items = written.get(key)
         if isinstance(items, list):
             given = cast("list[Any]", items)
             kept[key] = [i for i in range(len(given)) if (key, i) not in dropped]
-            plain[key] = [given[i] for i in kept[key]]
-    return plain, kept
+            written[key] = [given[i] for i in kept[key]]
+    return written, kept
 
 
 def _timebase(context: Context) -> Timebase:
@@ -231,7 +233,7 @@ def _channels(context: Context, components: dict[str, Component]) -> dict[str, C
             period=period,
             forward=forward,
             backward=backward,
-            options=form.link,
+            options=plain(form.link),
         )
     return channels
 

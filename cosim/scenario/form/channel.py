@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Annotated, Any, ClassVar, cast
 
-from pydantic import Discriminator, Field, Tag, create_model, model_validator
+from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
 from cosim.base.errors import InputError
 from cosim.base.form import Form, problem
@@ -59,8 +59,8 @@ class ChannelForm(Form):
 
 
 @cache
-def channel_form() -> type[ChannelForm]:
-    """The form with a key for every impairment that there is.
+def channel_form(link: type[BaseModel] | None = None) -> type[ChannelForm]:
+    """The form with a key for every impairment that there is, and ``link`` in its own form.
 
     Raises:
         InputError: a package brings an impairment that is called like a key of this form.
@@ -74,6 +74,9 @@ def channel_form() -> type[ChannelForm]:
         name: (_entry(name, kind.form) | None, Field(default=None, description=kind.description))
         for name, kind in impairments().items()
     }
+    if link is not None:
+        said = ChannelForm.model_fields["link"].description
+        keys["link"] = (link, Field(default_factory=link, description=said))
     return create_model("ChannelForm", __base__=ChannelForm, __doc__=ChannelForm.__doc__, **keys)
 
 

@@ -33,6 +33,7 @@ from cosim.scenario.form.fields import (
     Seconds,
     Signal,
 )
+from cosim.scenario.form.sections import Chosen, Forms, all_of
 from cosim.scenario.source.merge import KINDS
 from cosim.scenario.source.notation import NotationError, parse_connection
 
@@ -197,21 +198,29 @@ class Document(Form):
 
 
 @cache
-def document_form() -> type[Document]:
-    """The document with a key for every impairment in its channels."""
-    channels: Any = dict.__class_getitem__((Name, channel_form()))
+def document_form(sections: Chosen = ()) -> type[Document]:
+    """The document with a key for every impairment in its channels, and the sections' forms."""
+    forms = dict(sections)
+    channels: Any = dict.__class_getitem__((Name, channel_form(forms.get("link"))))
     description = Document.model_fields["channels"].description
+    keys: dict[str, Any] = {}
+    for name, form in forms.items():
+        kind: Any = dict.__class_getitem__((str, form)) if name == "expect" else form
+        empty: Any = dict if name == "expect" else form
+        said = Document.model_fields[name].description
+        keys[name] = (kind, Field(default_factory=empty, description=said))
     return create_model(
         "Document",
         __base__=Document,
         __doc__=Document.__doc__,
         channels=(channels, Field(default_factory=dict, description=description)),
+        **keys,
     )
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema(forms: Forms | None = None) -> dict[str, Any]:
     """The JSON schema of a scenario file, with what editors need besides the document itself."""
-    schema = document_form().model_json_schema(by_alias=True)
+    schema = document_form(all_of(forms or {})).model_json_schema(by_alias=True)
     include: dict[str, Any] = {
         "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]
     }

@@ -142,11 +142,14 @@ def test_every_pair_has_a_key_of_its_own(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"holdsamples": 4}, "no link setting holdsamples. Did you mean hold_samples?"),
-        ({"release": "soon"}, "release cannot be 'soon'"),
-        ({"delay": 0}, "delay cannot be 0: it is a whole number, 1 or more"),
-        ({"fade": "-1 s"}, "fade cannot be '-1 s'"),
-        ({"add_impairments": "yes"}, "it is true or false"),
+        ({"holdsamples": 4}, "unknown key 'holdsamples'. Did you mean hold_samples?"),
+        (
+            {"release": "soon"},
+            "release: this must be 'network_tick' or 'arrival', not the text 'soon'",
+        ),
+        ({"delay": 0}, "delay: 0 is out of range: at least 1"),
+        ({"fade": "-1 s"}, "fade: the text '-1 s' is out of range: more than 0 s"),
+        ({"add_impairments": "yes"}, "add_impairments: this must be true or false"),
     ],
 )
 def test_link_settings_are_checked(options, message) -> None:

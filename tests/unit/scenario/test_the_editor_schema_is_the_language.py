@@ -5,19 +5,20 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from cosim.cli.support.forms import FORMS
 from cosim.scenario.form.document import Document, json_schema
 from cosim.scenario.source.find import bundled_folder
 
 
 def test_the_bundled_schema_is_up_to_date() -> None:
     file = bundled_folder() / "scenario.schema.json"
-    assert json.loads(file.read_text("utf-8")) == json_schema(), (
+    assert json.loads(file.read_text("utf-8")) == json_schema(FORMS), (
         f"run: cohaptic check --schema > {file}"
     )
 
 
 def test_every_key_of_the_language_is_in_it_and_described() -> None:
-    schema = json_schema()
+    schema = json_schema(FORMS)
     assert set(Document.model_fields) | {"include"} == set(schema["properties"])
     for name in ("ComponentForm", "ChannelForm"):
         for key, entry in schema["$defs"][name]["properties"].items():
@@ -25,7 +26,7 @@ def test_every_key_of_the_language_is_in_it_and_described() -> None:
 
 
 def test_references_in_it_lead_somewhere() -> None:
-    schema = json_schema()
+    schema = json_schema(FORMS)
 
     def references(node: Any) -> list[str]:
         if isinstance(node, dict):

@@ -1,0 +1,44 @@
+"""An option that could act on nothing in this call is refused with what to write instead."""
+
+from __future__ import annotations
+
+import pytest
+from click.testing import CliRunner
+
+from cosim.base.errors import InputError
+from cosim.cli import cli
+from cosim.cli.support.forms import FORMS
+from cosim.cli.support.pace import Pace, pace_of
+from cosim.scenario import load
+
+MOCK = ("--with", "devices/mock")
+STATION = ("station", "two_users_box", "--as", "station_a")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("run", "single_user", "--policy", "stop"), "write --on-miss stop"),
+        ((*STATION, "--policy", "count"), "write --on-miss count"),
+        (("run", "single_user", "--on-miss", "stop"), "--on-miss without --realtime"),
+        (("run", "single_user", "--cpu", "1"), "--cpu without --realtime"),
+        (("run", "single_user", "--enable-output"), "single_user has no device"),
+        (("run", "single_user", "--yes"), "single_user has no device"),
+        (("run", "single_user", "--dead-man", "device"), "single_user has no device"),
+        ((*STATION, "--enable-output"), "the station station_a has no device"),
+        (("run", "two_users_box", *MOCK, "--yes"), "--yes without --enable-output"),
+        (("run", "two_users_box", *MOCK, "--dead-man", "device"), "without --enable-output"),
+    ],
+)
+def test_it_says_what_to_write(arguments, sentence, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=sentence):
+        CliRunner().invoke(cli, arguments, catch_exceptions=False, standalone_mode=False)
+    assert not list(tmp_path.iterdir()), "nothing was begun"
+
+
+def test_the_command_line_wins_over_realtime() -> None:
+    scenario = load("single_user", (), ["realtime={on_miss: stop, cpu: 1}"], forms=FORMS)
+    assert pace_of(scenario, on_miss=None, cpu=None) == Pace(on_miss="stop", cpu=1)
+    assert pace_of(scenario, on_miss="count", cpu=0) == Pace(on_miss="count", cpu=0)
+    assert pace_of(load("single_user"), on_miss=None, cpu=None) == Pace()
