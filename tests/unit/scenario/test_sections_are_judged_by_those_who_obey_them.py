@@ -67,9 +67,17 @@ def test_sections_are_in_si_units_and_survive_their_own_writing(tmp_path) -> Non
 
 
 @pytest.mark.parametrize(("torque", "holds"), [(0.05, 0.05), (0.5, 0.15)])
-def test_the_tighter_of_safety_and_device_holds_for_every_device(torque, holds) -> None:
-    over = ("--with", "devices/mock", "--set", f"safety.torque={torque}")
-    done = CliRunner().invoke(cli, ["check", "two_users_box", *over, "--json"])
-    limits = json.loads(done.stdout)["devices"]["finger_a1"]["file"]["limits"]
+def test_the_tighter_of_safety_and_device_holds_for_every_device(torque, holds, tmp_path) -> None:
+    file = tmp_path / "bench.yaml"
+    file.write_text(
+        "cohaptic: 1\nduration: 1\nrates: {control: 1000}\n"
+        "components: {left: {device: 'mock://'}, right: {device: 'mock://'}}\n"
+    )
+    done = CliRunner().invoke(
+        cli, ["check", str(file), "--set", f"safety.torque={torque}", "--json"]
+    )
+    devices = json.loads(done.stdout)["devices"]
+    limits = devices["left"]["file"]["limits"]
+    assert devices["right"]["file"]["limits"] == limits
     assert limits["torque"] == {"value": holds, "from": "safety" if holds == torque else "device"}
     assert limits["slew"] == {"value": 60.0, "from": "device"}
