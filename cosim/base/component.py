@@ -59,6 +59,27 @@ class VariableType(StrEnum):
         """Whether a cell of this type holds a double; every other numeric type holds an int64."""
         return self in {VariableType.FLOAT32, VariableType.FLOAT64}
 
+    @property
+    def limits(self) -> tuple[int, int] | None:
+        """The least and the most of a whole number of this type, or ``None``.
+
+        A cell has 64 bits with a sign, so the upper half of UInt64 is not there.
+        """
+        return _LIMITS.get(self)
+
+
+_LIMITS: dict[VariableType, tuple[int, int]] = {
+    VariableType.INT8: (-(2**7), 2**7 - 1),
+    VariableType.UINT8: (0, 2**8 - 1),
+    VariableType.INT16: (-(2**15), 2**15 - 1),
+    VariableType.UINT16: (0, 2**16 - 1),
+    VariableType.INT32: (-(2**31), 2**31 - 1),
+    VariableType.UINT32: (0, 2**32 - 1),
+    VariableType.INT64: (-(2**63), 2**63 - 1),
+    VariableType.UINT64: (0, 2**63 - 1),
+    VariableType.ENUMERATION: (-(2**63), 2**63 - 1),
+}
+
 
 class Role(StrEnum):
     """What becomes of a pantograph variable when a device takes the model's place."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -15,6 +16,7 @@ from cosim.base.suggest import did_you_mean, index_hint
 from cosim.base.units import Unit, unit_of
 from cosim.master.assembly.interface import size_of, variable_elements
 
+FLOAT32_MAX = (2 - 2**-23) * 2.0**127
 SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
 STARTABLE = frozenset({Causality.INPUT, Causality.OUTPUT, Causality.LOCAL})
 
@@ -158,10 +160,34 @@ def _convert(
         value = _quantity(where, units.get(unit) or unit_of(unit), value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{where} is a number, not {show(value)}")
-    if not kind.is_float and not float(value).is_integer():
+    if isinstance(value, float) and not kind.is_float and not value.is_integer():
         raise InputError(f"{where} is a whole number, not {show(value)}")
+    if problem := misfit(kind, value):
+        raise InputError(f"{where} is {problem}")
     _check_bounds(where, variable, value)
     return float(value) if kind.is_float else int(value)
+
+
+def misfit(kind: VariableType, value: float) -> str:
+    """Why a number cannot be carried as this type: the end of a sentence, or nothing."""
+    if kind.is_float:
+        most = FLOAT32_MAX if kind is VariableType.FLOAT32 else sys.float_info.max
+        if most < abs(value) < math.inf:
+            return f"of type {kind}, which ends at {most:g}, and cannot be {_brief(value)}"
+        return ""
+    limits = kind.limits
+    if limits is None or limits[0] <= value <= limits[1]:
+        return ""
+    return (
+        f"of type {kind}, which goes from {limits[0]} to {limits[1]}"
+        f"{' here' if kind is VariableType.UINT64 else ''}, and cannot be {_brief(value)}"
+    )
+
+
+def _brief(value: float) -> str:
+    """The number as it was written, unless it has more digits than anybody reads."""
+    text = str(value)
+    return text if len(text) <= 24 else f"{text[:12]}… ({len(text)} digits)"
 
 
 def _quantity(where: str, unit: Unit, text: str) -> float:
@@ -183,6 +209,8 @@ def _item(where: str, variable: Variable, value: Any) -> int:
         raise InputError(f"{where} is one of {', '.join(items)}, not {show(value)}")
     if items and value not in items.values():
         raise InputError(f"{where} has no value {value}; there are {', '.join(items)}")
+    if problem := misfit(VariableType.ENUMERATION, value):
+        raise InputError(f"{where} is {problem}")
     return value
 
 

@@ -15,8 +15,10 @@ from cosim.base.errors import InputError
 from cosim.base.quantity import exact
 from cosim.base.units import BASES, Unit, unit_of
 from cosim.master.assembly.interface import Interface
+from cosim.master.assembly.parameters import misfit
 from cosim.master.fmu.meanings import NOTHING, Meant, read_meanings
 
+_TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 _FMI2_TYPES = {
     "Real": VariableType.FLOAT64,
     "Integer": VariableType.INT32,
@@ -88,10 +90,14 @@ def parse_description(
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = _Shapes(dict(structure), by_reference)
     meant = read_meanings(path, folder / "modelDescription.xml")
-    variables = {
-        v.name: _variable(v, version, shapes, meant.get(v.name, NOTHING))
-        for v in description.modelVariables
-    }
+    variables: dict[str, Variable] = {}
+    for v in description.modelVariables:
+        try:
+            variables[v.name] = _variable(v, version, shapes, meant.get(v.name, NOTHING))
+        except ValueError as error:
+            raise InputError(
+                f"line {v.sourceline} of the modelDescription.xml of {path}: {v.name}: {error}"
+            ) from None
     return FmuDescription(
         path=path,
         folder=folder,
@@ -106,8 +112,8 @@ def parse_description(
             for v in description.modelVariables
             if v.dimensions
         },
-        dependencies=_dependencies(description.outputs),
-        initial_dependencies=_dependencies(description.initialUnknowns),
+        dependencies=_direct_dependencies(description),
+        initial_dependencies=_dependencies(description.initialUnknowns, _inputs(description)),
         terminals=_terminals(folder, variables),
         units={u.name: _unit(u) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
@@ -185,21 +191,46 @@ def _start(text: str | None, kind: VariableType) -> Any:
 
 
 def _scalar(word: str, kind: VariableType) -> float | int | bool:
-    if kind.is_float:
-        return float(word)
-    return word in {"true", "1"} if kind is VariableType.BOOLEAN else int(word)
+    """One value of XML.
+
+    Raises:
+        ValueError: it is none of that type.
+    """
+    if kind is VariableType.BOOLEAN:
+        if word not in _TRUTHS:
+            raise ValueError(f"its start, {word}, is neither true nor false")
+        return _TRUTHS[word]
+    try:
+        value = float(word) if kind.is_float else int(word)
+    except ValueError:
+        raise ValueError(f"its start, {word}, is not of type {kind}") from None
+    if problem := misfit(kind, value):
+        raise ValueError(f"its start is {problem}")
+    return value
 
 
-def _dependencies(unknowns: list[Any]) -> dict[str, tuple[str, ...]]:
-    """Direct dependencies on inputs; an unknown that declares none is taken to have none."""
+def _direct_dependencies(description: Any) -> dict[str, tuple[str, ...]]:
+    """Of every output; one that the model structure leaves out may depend on anything."""
+    inputs = _inputs(description)
+    outputs = {v.name: inputs for v in description.modelVariables if v.causality == "output"}
+    return outputs | _dependencies(description.outputs, inputs)
+
+
+def _dependencies(unknowns: list[Any], inputs: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Direct dependencies on inputs: all of them where the attribute is absent, none where empty.
+
+    FMI 2.0 section 2.2.8, FMI 3.0 section 2.4.8.
+    """
     return {
-        unknown.variable.name: tuple(
-            variable.name
-            for variable in unknown.dependencies or ()
-            if variable.causality == "input"
-        )
+        unknown.variable.name: inputs
+        if unknown.dependencies is None
+        else tuple(v.name for v in unknown.dependencies if v.causality == "input")
         for unknown in unknowns
     }
+
+
+def _inputs(description: Any) -> tuple[str, ...]:
+    return tuple(v.name for v in description.modelVariables if v.causality == "input")
 
 
 def _terminals(folder: Path, variables: Mapping[str, Variable]) -> dict[str, dict[str, str]]:

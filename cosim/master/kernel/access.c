@@ -47,7 +47,10 @@ static void unpack(const Operation *op)
     case TYPE_UINT32: UNPACK(uint32_t, integer);
     case TYPE_INT64: UNPACK(int64_t, integer);
     case TYPE_UINT64: UNPACK(int64_t, integer);
-    case TYPE_BOOLEAN: UNPACK(bool, integer);
+    case TYPE_BOOLEAN: /* any byte but 0 is true, whatever an FMU makes of a bool */
+        for (int64_t i = 0; i < op->cell_count; i++)
+            op->cells[i].integer = ((const uint8_t *)op->scratch)[i] != 0;
+        break;
     case TYPE_BOOLEAN_INT:
         for (int64_t i = 0; i < op->cell_count; i++)
             op->cells[i].integer = ((const int32_t *)op->scratch)[i] != 0;
@@ -70,8 +73,12 @@ static int64_t pack(const Operation *op)
 {
     switch (op->type) {
     case TYPE_FLOAT32:
-        for (int64_t i = 0; i < op->cell_count; i++)
-            ((float *)op->scratch)[i] = (float)op->cells[i].real;
+        for (int64_t i = 0; i < op->cell_count; i++) {
+            double value = op->cells[i].real;
+            if (!__builtin_isinf(value) && __builtin_isinf((float)value))
+                return i;
+            ((float *)op->scratch)[i] = (float)value;
+        }
         break;
     case TYPE_INT8: PACK(int8_t, INT8_MIN, INT8_MAX);
     case TYPE_UINT8: PACK(uint8_t, 0, UINT8_MAX);
@@ -100,6 +107,18 @@ static Outcome refuse_nan(Kernel *kernel, const Operation *op)
     return OUTCOME_DONE;
 }
 
+/* A UInt64 that a cell, which has a sign, would wrap. */
+static Outcome refuse_beyond_a_cell(Kernel *kernel, const Operation *op)
+{
+    for (int64_t i = 0; i < op->cell_count; i++) {
+        if (op->cells[i].integer < 0) {
+            kernel->cell = &op->cells[i] - kernel->cells;
+            return OUTCOME_RANGE;
+        }
+    }
+    return OUTCOME_DONE;
+}
+
 Outcome get_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
 {
     bool direct = op->kind == KIND_GET_FLOAT64;
@@ -111,6 +130,8 @@ Outcome get_values(Kernel *kernel, const Operation *op, void *instance, int64_t 
         unpack(op);
     if (direct || op->type == TYPE_FLOAT32)
         return refuse_nan(kernel, op);
+    if (op->type == TYPE_UINT64)
+        return refuse_beyond_a_cell(kernel, op);
     return OUTCOME_DONE;
 }
 

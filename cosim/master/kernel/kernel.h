@@ -28,7 +28,7 @@ typedef enum {
     OUTCOME_CALL = 1,         /* a Python component is due: serve `operation`, then call again */
     OUTCOME_STATUS = 2,       /* an FMI function returned `status` */
     OUTCOME_NOT_A_NUMBER = 3, /* an FMU put NaN into `cell` */
-    OUTCOME_RANGE = 4,        /* `cell` does not fit the integer type of the input */
+    OUTCOME_RANGE = 4,        /* `cell` does not fit the type of the input, or an output a cell */
     OUTCOME_EARLY_RETURN = 5, /* an FMI 3 FMU stopped inside its step */
     OUTCOME_TERMINATED = 6,   /* an FMI 3 FMU asked for the end of the simulation */
     OUTCOME_OVERFLOW = 7      /* more packets in flight than the plan foresaw */

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from cosim.base.component import VariableType
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.master.assembly.interface import Element
 from cosim.master.assembly.plan import Act
@@ -41,9 +44,7 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
     if outcome is Outcome.NOT_A_NUMBER:
         return RunError(f"{_variable(program)} became NaN at {when}{logged}")
     if outcome is Outcome.RANGE:
-        value = int(program.cells[kernel.cell])
-        kind = _type(program)
-        return RunError(f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}")
+        return RunError(_out_of_range(program, when))
     if outcome is Outcome.EARLY_RETURN:
         return RunError(
             f"{component} returned early from its step at {when}, though that was not allowed; an "
@@ -62,12 +63,25 @@ def moment(program: Program) -> str:
     return f"tick {tick} ({program.clock.seconds(tick):g} s)"
 
 
+def _out_of_range(program: Program, when: str) -> str:
+    kind = _type(program)
+    cell = program.cells[program.kernel.cell : program.kernel.cell + 1]
+    if program.stopped_at().act is Act.GET:
+        value = int(cell[0]) % 2**64
+        return (
+            f"{_variable(program)} became {value} at {when}: whole numbers are carried up to "
+            f"{2**63 - 1}"
+        )
+    value = cell.view(np.float64)[0] if kind.is_float else cell[0]
+    return f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}"
+
+
 def _variable(program: Program) -> str:
     component, variable, index = program.layout.owner(program.kernel.cell)
     interface = program.parts[component].interface
     return f"{component}.{interface.element_name(Element(variable, index))}"
 
 
-def _type(program: Program) -> str:
+def _type(program: Program) -> VariableType:
     component, variable, _ = program.layout.owner(program.kernel.cell)
     return program.parts[component].interface.variables[variable].type

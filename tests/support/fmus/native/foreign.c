@@ -1,0 +1,219 @@
+/* An FMU of somebody else, FMI 2.0 and 3.0 in one: a store of values, and a hook at every call.
+
+   The snippet under test is included first; it may define HOOK, a function that is called at the
+   beginning of every FMI function and whose status, unless it is 0, is returned at once. */
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define EXPORT __attribute__((visibility("default")))
+#define UNUSED __attribute__((unused))
+#define VALUES 64
+
+typedef struct {
+    void (*logger)(void *, const char *, int, const char *, const char *, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void *step_finished;
+    void *environment;
+} Callbacks;
+
+typedef struct {
+    double real[VALUES]; /* of any type with a fraction, by value reference */
+    int64_t whole[VALUES];
+    const char *text[VALUES];
+    double time;
+    void (*log2)(void *, const char *, int, const char *, const char *, ...);
+    void (*log3)(void *, int, const char *, const char *);
+    void *environment;
+    bool terminate; /* the step is to ask for the end */
+} Foreign;
+
+UNUSED static void say(Foreign *m, int status, const char *message)
+{
+    if (m->log2)
+        m->log2(m->environment, "foreign", status, "logAll", "%s", message);
+    if (m->log3)
+        m->log3(m->environment, status, "logAll", message);
+}
+
+UNUSED static bool is(const char *a, const char *b)
+{
+    while (*a && *a == *b)
+        a++, b++;
+    return *a == *b;
+}
+
+#include "snippet.h"
+
+#ifndef HOOK
+static int no_hook(Foreign *m, const char *call)
+{
+    return 0;
+}
+#define HOOK no_hook
+#endif
+
+#define ENTER(CALL)                                                                               \
+    int status = HOOK(instance, CALL);                                                            \
+    if (status)                                                                                   \
+        return status
+
+static Foreign instances[64];
+static int taken;
+
+static Foreign *make(void)
+{
+    return taken < 64 ? &instances[taken++] : 0;
+}
+
+EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, const char *resources,
+                             const Callbacks *callbacks, int visible, int logging)
+{
+    Foreign *m = make();
+    m->log2 = callbacks->logger;
+    m->environment = callbacks->environment;
+    return HOOK(m, "Instantiate") ? 0 : m;
+}
+
+EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
+                                         const char *resources, bool visible, bool logging,
+                                         bool events, bool early, const uint32_t *required,
+                                         size_t count, void *environment, void *log, void *update)
+{
+    Foreign *m = make();
+    m->log3 = (void (*)(void *, int, const char *, const char *))log;
+    m->environment = environment;
+    return HOOK(m, "Instantiate") ? 0 : m;
+}
+
+#ifndef WITHOUT_REST
+#define CALL(NAME, ...)                                                                           \
+    EXPORT int fmi2##NAME(Foreign *instance, ##__VA_ARGS__) { ENTER(#NAME); return 0; }           \
+    EXPORT int fmi3##NAME(Foreign *instance, ##__VA_ARGS__) { ENTER(#NAME); return 0; }
+
+CALL(Terminate)
+CALL(Reset)
+CALL(ExitInitializationMode)
+CALL(EnterConfigurationMode)
+CALL(ExitConfigurationMode)
+#endif
+
+EXPORT int fmi2SetDebugLogging(Foreign *instance, int on, size_t count, const char **names)
+{
+    ENTER("SetDebugLogging");
+    return 0;
+}
+
+EXPORT int fmi3SetDebugLogging(Foreign *instance, bool on, size_t count, const char **names)
+{
+    ENTER("SetDebugLogging");
+    return 0;
+}
+
+EXPORT int fmi2SetupExperiment(Foreign *instance, int d, double t, double from, int s, double to)
+{
+    ENTER("SetupExperiment");
+    return 0;
+}
+
+EXPORT int fmi2EnterInitializationMode(Foreign *instance)
+{
+    ENTER("EnterInitializationMode");
+    return 0;
+}
+
+EXPORT int fmi3EnterInitializationMode(Foreign *instance, bool d, double t, double from, bool s,
+                                       double to)
+{
+    ENTER("EnterInitializationMode");
+    return 0;
+}
+
+EXPORT void fmi2FreeInstance(Foreign *instance) { (void)HOOK(instance, "FreeInstance"); }
+EXPORT void fmi3FreeInstance(Foreign *instance) { (void)HOOK(instance, "FreeInstance"); }
+
+#define ACCESS2(NAME, TYPE, FIELD)                                                                \
+    EXPORT int fmi2Get##NAME(Foreign *instance, const uint32_t *r, size_t n, TYPE *values)        \
+    {                                                                                             \
+        ENTER("Get" #NAME);                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            values[i] = (TYPE)instance->FIELD[r[i]];                                              \
+        return 0;                                                                                 \
+    }                                                                                             \
+    EXPORT int fmi2Set##NAME(Foreign *instance, const uint32_t *r, size_t n, const TYPE *values)  \
+    {                                                                                             \
+        ENTER("Set" #NAME);                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            instance->FIELD[r[i]] = values[i];                                                    \
+        return 0;                                                                                 \
+    }
+
+#define ACCESS3(NAME, TYPE, FIELD)                                                                \
+    EXPORT int fmi3Get##NAME(Foreign *instance, const uint32_t *r, size_t n, TYPE *values,        \
+                             size_t m)                                                            \
+    {                                                                                             \
+        ENTER("Get" #NAME);                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            values[i] = (TYPE)instance->FIELD[r[i]];                                              \
+        return 0;                                                                                 \
+    }                                                                                             \
+    EXPORT int fmi3Set##NAME(Foreign *instance, const uint32_t *r, size_t n, const TYPE *values,  \
+                             size_t m)                                                            \
+    {                                                                                             \
+        ENTER("Set" #NAME);                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            instance->FIELD[r[i]] = values[i];                                                    \
+        return 0;                                                                                 \
+    }
+
+typedef const char *Text;
+ACCESS2(Real, double, real)
+ACCESS2(Integer, int, whole)
+ACCESS2(Boolean, int, whole)
+#ifndef WITHOUT_TEXTS
+ACCESS2(String, Text, text)
+ACCESS3(String, Text, text)
+#endif
+ACCESS3(Float64, double, real)
+ACCESS3(Float32, float, real)
+ACCESS3(Int8, int8_t, whole)
+ACCESS3(UInt8, uint8_t, whole)
+ACCESS3(Int16, int16_t, whole)
+ACCESS3(UInt16, uint16_t, whole)
+ACCESS3(Int32, int32_t, whole)
+ACCESS3(UInt32, uint32_t, whole)
+ACCESS3(Int64, int64_t, whole)
+ACCESS3(UInt64, uint64_t, whole)
+ACCESS3(Boolean, bool, whole)
+
+EXPORT int fmi2GetBooleanStatus(Foreign *instance, int kind, int *value)
+{
+    ENTER("GetBooleanStatus");
+    *value = instance->terminate;
+    return 0;
+}
+
+EXPORT int fmi2DoStep(Foreign *instance, double time, double step, int no_set_state)
+{
+    instance->time = time;
+    ENTER("DoStep");
+    return instance->terminate ? 2 : 0;
+}
+
+EXPORT int fmi3DoStep(Foreign *instance, double time, double step, bool no_set_state, bool *event,
+                      bool *terminate, bool *early, double *last)
+{
+    instance->time = time;
+    ENTER("DoStep");
+    *event = *early = false;
+    *terminate = instance->terminate;
+    *last = time + step;
+    return 0;
+}
