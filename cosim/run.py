@@ -17,13 +17,13 @@ from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.files import files_of
-from cosim.master.run.simulation import Outcome, Progress, Simulation, assemble
+from cosim.master.run.simulation import Outcome, Progress, Simulation
+from cosim.preparation.prepare import Judge, prepare
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
-from cosim.record.playback import KINDS
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
 from cosim.record.writer import Recorder
-from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.expectation import Expectation
 from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
 from cosim.scenario import Kind, Scenario
 from cosim.scenario.resolved import to_yaml
@@ -75,6 +75,8 @@ def run_scenario(
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
     instances: Mapping[str, Component] | None = None,
+    judge: Judge | None = None,
+    say: Callable[[str], None] | None = None,
     link: Callable[[], Mapping[str, Any]] | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
@@ -83,6 +85,7 @@ def run_scenario(
     drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
     of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
     for those of a real link. ``instances`` holds components that exist already, by name.
+    ``judge`` looks at devices before anything begins; ``say`` hears what is probably not meant.
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -91,16 +94,15 @@ def run_scenario(
     """
     began = time.perf_counter()
     check_folder(out)
-    with assemble(scenario, instances, KINDS) as simulation:
-        units = {
-            column.name: column.unit or ""
-            for group in simulation.groups
-            for column in group.columns
-        }
-        expectations = parse_expectations(scenario, units)
+    prepared = prepare(scenario, out, instances=instances, judge=judge)
+    if say is not None:
+        for warning in prepared.warnings:
+            say(f"warning: {warning}")
+    expectations = prepared.expectations
+    with prepared.simulation as simulation:
         manifest = describe(simulation.scenario, _components(simulation))
         manifest["files"] = _input_files(simulation)
-        manifest["notes"] = list(simulation.notes)
+        manifest["notes"] = [*simulation.notes, *prepared.warnings]
         recorder = _FolderRecorder(simulation.scenario, out, manifest, began)
         error = _run(simulation, recorder, execute or _here, progress)
         folder, outcome = recorder.folder, simulation.outcome

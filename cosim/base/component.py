@@ -180,6 +180,18 @@ class Component(ABC):
             InputError: a parameter cannot be used.
         """
 
+    def rehearse(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """``initialise`` for a check: no first tick follows, and no device is opened.
+
+        A component that reaches outside of its process there replaces this.
+
+        Raises:
+            InputError: a parameter cannot be used.
+        """
+        self.initialise(setup, inputs, outputs)
+
     def read(self, tick: int) -> None:
         """Take this tick's measurements into the outputs (devices)."""
 

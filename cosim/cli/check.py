@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.base.errors import InputError, InputErrors
+from cosim.cli.support.command import Command
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 
 
-@click.command("check")
+@click.command("check", cls=Command)
 @click.argument("scenario", required=False)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="An overlay over it.")
 @click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="One value over it.")
@@ -42,12 +42,7 @@ def command(
         return
     if scenario is None:
         raise click.UsageError("name a scenario: a file, or a bundled one such as two_users_box.")
-    try:
-        loaded, report = _check(scenario, overlays, sets)
-    except InputError as error:
-        if as_json:
-            click.echo(json.dumps({"ok": False, "problems": _problems(error)}, indent=2))
-        raise
+    loaded, report = _check(scenario, overlays, sets)
     if resolved:
         from cosim.scenario.resolved import to_yaml
 
@@ -63,16 +58,21 @@ def _check(
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
     from cosim.analysis import load_tuned
-    from cosim.cli.support.check_devices import check_devices
+    from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.forms import FORMS
-    from cosim.master.run.simulation import assemble
-    from cosim.record.playback import KINDS
+    from cosim.preparation.prepare import prepare
+    from cosim.preparation.trial_start import try_to_start
     from cosim.scenario.describe import describe
+    from cosim.station.halves import refuse_unusable_halves
 
     loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
-    with assemble(loaded, kinds=KINDS) as simulation:
-        devices = check_devices(loaded, simulation)
-        return loaded, {**describe(loaded), **_plan(simulation), **devices}
+    judge = DeviceJudge()
+    prepared = prepare(loaded, judge=judge)
+    with prepared.simulation as simulation:
+        refuse_unusable_halves(simulation.assembly)
+        try_to_start(simulation)
+        facts = {**describe(loaded), **_plan(simulation), **judge.facts}
+        return loaded, {**facts, "warnings": list(prepared.warnings)}
 
 
 def _plan(simulation: Simulation) -> dict[str, Any]:
@@ -97,19 +97,6 @@ def _plan(simulation: Simulation) -> dict[str, Any]:
             for group in simulation.groups
         ],
     }
-
-
-def _problems(error: InputError) -> list[dict[str, Any]]:
-    found = error.errors if isinstance(error, InputErrors) else [error]
-    return [
-        {
-            "message": item.message,
-            "file": item.location.file if item.location else None,
-            "line": item.location.line if item.location else None,
-            "column": item.location.column if item.location else None,
-        }
-        for item in found
-    ]
 
 
 def _text(report: dict[str, Any]) -> str:

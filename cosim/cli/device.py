@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.device_emulate import emulate_device
+from cosim.cli.support.command import Command
 
 if TYPE_CHECKING:
     from hil.device.device import Device
@@ -26,7 +27,7 @@ def command() -> None:
     """Real devices: find them, look at them, home, calibrate and emulate them."""
 
 
-@command.command("list")
+@command.command("list", cls=Command)
 @_JSON
 def list_drivers(*, as_json: bool) -> None:
     """List the drivers that are installed."""
@@ -52,7 +53,7 @@ def list_drivers(*, as_json: bool) -> None:
         click.echo(f"{name:10}{facts.get('problem') or facts['description']}")
 
 
-@command.command("find")
+@command.command("find", cls=Command)
 @_JSON
 def find_ports(*, as_json: bool) -> None:
     """Show serial ports and CAN interfaces that a device could be on."""
@@ -68,7 +69,7 @@ def find_ports(*, as_json: bool) -> None:
         click.echo(f"{place['url']:40}{place['description']}")
 
 
-@command.command("check")
+@command.command("check", cls=Command)
 @click.argument("url")
 @_FILE
 @click.option("--seconds", default=5.0, show_default=True, help="How long to look.")
@@ -136,7 +137,7 @@ def check_device(
         sys.exit(1)
 
 
-@command.command("home")
+@command.command("home", cls=Command)
 @click.argument("url")
 @_FILE
 @click.option("--yes", is_flag=True, help="The handle is at its home pose already.")
@@ -155,7 +156,7 @@ def home_device(url: str, file: Path | None, *, yes: bool) -> None:
     )
 
 
-@command.command("calibrate")
+@command.command("calibrate", cls=Command)
 @click.argument("url")
 @click.argument("output", type=click.Path(path_type=Path))
 @_FILE

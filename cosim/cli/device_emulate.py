@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.cli.support.command import Command
+
 if TYPE_CHECKING:
     from contextlib import ExitStack
 
 
-@click.command("emulate")
+@click.command("emulate", cls=Command)
 @click.argument("name")
 @click.option("--scenario", help="Take pantograph and operator from this scenario ...")
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="... with this over it ...")

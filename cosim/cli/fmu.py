@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from cosim.base.errors import InputError, RunError
+from cosim.cli.support.command import Command
 
 _FLAVOURS = click.Choice(["fmi2", "fmi3", "fmi3-arrays", "all"])
 
@@ -18,7 +19,7 @@ def command() -> None:
     """List, inspect, export and build FMUs."""
 
 
-@command.command("list")
+@command.command("list", cls=Command)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def list_command(*, as_json: bool) -> None:
     """The models that come with cohaptic."""
@@ -44,7 +45,7 @@ def list_command(*, as_json: bool) -> None:
         click.echo(f"{model['name']:<{width}}  {model['description']} ({sizes})")
 
 
-@command.command("inspect")
+@command.command("inspect", cls=Command)
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def inspect_command(*, file: str, as_json: bool) -> None:
@@ -55,7 +56,7 @@ def inspect_command(*, file: str, as_json: bool) -> None:
     click.echo(json.dumps(report, indent=2) if as_json else to_text(report))
 
 
-@command.command("export")
+@command.command("export", cls=Command)
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.argument("names", nargs=-1)
 @click.option("--flavour", type=_FLAVOURS, default="all", help="Which archives; all by default.")
@@ -81,7 +82,7 @@ def export_command(*, folder: Path, names: tuple[str, ...], flavour: str, force:
     click.echo(f"{len(sources)} FMUs written to {folder}")
 
 
-@command.command("build")
+@command.command("build", cls=Command)
 @click.argument("names", nargs=-1)
 @click.option("--force", is_flag=True, help="Build also what is up to date.")
 def build_command(*, names: tuple[str, ...], force: bool) -> None:

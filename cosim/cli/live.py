@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.support.command import Command
 
 if TYPE_CHECKING:
     from cosim.realtime.watcher import Watcher
@@ -24,7 +25,7 @@ DRAW_SECONDS = 0.1
 COLUMNS = 60
 
 
-@click.command("live")
+@click.command("live", cls=Command)
 @click.argument("run", required=False)
 @click.option("--show", "patterns", multiple=True, metavar="PATTERN", help="Signals to draw.")
 @click.option("--window", default=5.0, show_default=True, help="Seconds of them to draw.")

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import click
 
+from cosim.cli.support.command import Command
 
-@click.command("merge")
+
+@click.command("merge", cls=Command)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the result; new or empty.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.cli.support.command import Command
+
 if TYPE_CHECKING:
     from cosim.link.netchar.probe import Probe
     from cosim.link.netchar.statistics import Characteristics
@@ -30,7 +32,7 @@ def command() -> None:
     """
 
 
-@command.command("serve")
+@command.command("serve", cls=Command)
 @click.option("--listen", default="127.0.0.1:47010", show_default=True, help="host:port to bind.")
 @KEY
 @click.option("--max-rate", default=20_000.0, show_default=True, help="Packets relayed a second.")
@@ -89,7 +91,7 @@ def serve_command(
         )
 
 
-@command.command("probe")
+@command.command("probe", cls=Command)
 @click.argument("server")
 @KEY
 @click.option("--rate", default=128.0, show_default=True, help="Packets a second.")

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from cosim.cli.support.command import Command
+
 RUN = click.argument("run", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
@@ -16,7 +18,7 @@ def command() -> None:
     """Look into run folders: what is in them, whether two are equal, other formats."""
 
 
-@command.command("digest")
+@command.command("digest", cls=Command)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
 @JSON
 def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
@@ -34,7 +36,7 @@ def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
             click.echo(f"{value}  {name}")
 
 
-@command.command("summary")
+@command.command("summary", cls=Command)
 @RUN
 @JSON
 def summary_command(run: Path, *, as_json: bool) -> None:
@@ -51,7 +53,7 @@ def summary_command(run: Path, *, as_json: bool) -> None:
         click.echo(summary.content["message"], err=True)
 
 
-@command.command("list")
+@command.command("list", cls=Command)
 @RUN
 @JSON
 def list_command(run: Path, *, as_json: bool) -> None:
@@ -90,7 +92,7 @@ def list_command(run: Path, *, as_json: bool) -> None:
                 click.echo(line.rstrip())
 
 
-@command.command("export")
+@command.command("export", cls=Command)
 @RUN
 @click.option(
     "--format", "kind", default="csv", help="csv, mat, mcap, mf4 or parquet. [default: csv]"
@@ -114,7 +116,7 @@ def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_jso
             click.echo(str(path))
 
 
-@command.command("compact")
+@command.command("compact", cls=Command)
 @RUN
 def compact_command(run: Path) -> None:
     """Cut the datasets of a run that was killed to the rows that it reached."""

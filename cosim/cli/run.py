@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.cli.support.command import Command
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from cosim.scenario import Scenario
 
 
-@click.command("run")
+@click.command("run", cls=Command)
 @click.argument("scenario")
 @click.option(
     "--with",
@@ -70,6 +71,8 @@ def command(
     2 something that was given cannot be used.
     """
     from cosim.analysis import load_tuned
+    from cosim.cli.support.check_devices import DeviceJudge
+    from cosim.cli.support.devices import say
     from cosim.cli.support.forms import FORMS
     from cosim.run import run_scenario
 
@@ -99,6 +102,8 @@ def command(
             execute=paced,
             deadlines=None if paced is None else paced.statistics,
             figure=figure,
+            judge=DeviceJudge(realtime=realtime),
+            say=say,
         )
     if as_json:
         import json

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.cli.support.command import Command
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from cosim.link.wire.transport import Address
 
 
-@click.command("station")
+@click.command("station", cls=Command)
 @click.argument("scenario")
 @click.option("--as", "own", required=True, metavar="STATION", help="Which station to run.")
 @click.option(
@@ -82,6 +83,7 @@ def command(
     from cosim.analysis import load_tuned
     from cosim.analysis.longest_delay import longest_delay
     from cosim.base.grants import clock_nanosleep
+    from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import device_session, say
     from cosim.cli.support.forms import FORMS
     from cosim.link.wire.transport import Address
@@ -111,7 +113,15 @@ def command(
         theory=longest_delay,
     )
     with ended(console):
-        finished = run_station(loaded, own, arrangement, say=say, out=out, figure=figure)
+        finished = run_station(
+            loaded,
+            own,
+            arrangement,
+            say=say,
+            judge=DeviceJudge(realtime=True),
+            out=out,
+            figure=figure,
+        )
     if as_json:
         click.echo(json.dumps(finished.summary.content))
         click.echo(finished.summary.content["message"] or str(finished.folder), err=True)

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import click
 
+from cosim.cli.support.command import Command
 
-@click.command("thesis")
+
+@click.command("thesis", cls=Command)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),

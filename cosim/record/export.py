@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.base.writing import writing
 from cosim.record.export_mcap import write_mcap
 from cosim.record.export_mdf import write_mdf
 from cosim.record.export_table import Table, needed
@@ -30,13 +31,17 @@ def export(run: Run, kind: str, folder: Path, *, held: bool = False) -> list[Pat
     """Write a run in ``kind`` into ``folder``; returns the files.
 
     Raises:
-        InputError: the kind is unknown, or the package that it needs is not installed.
+        InputError: the kind is unknown, or the package that it needs is not installed; nothing is
+            recorded; or ``folder`` cannot be written.
     """
     if kind not in EXPORTERS:
         raise InputError(f"{kind}: is no export format; there are {', '.join(EXPORTERS)}.")
-    folder.mkdir(parents=True, exist_ok=True)
+    if not run.signals:
+        raise InputError(f"{run.folder}: nothing is recorded in it, so nothing can be exported.")
     tables = [_held_table(run)] if held else _tables(run)
-    return EXPORTERS[kind](tables, folder)
+    with writing(folder, "--out takes a folder for the files"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return EXPORTERS[kind](tables, folder)
 
 
 def _tables(run: Run) -> list[Table]:

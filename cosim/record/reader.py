@@ -231,8 +231,10 @@ class Run:
 
     @property
     def ticks(self) -> int:
-        """Base ticks that the record covers completely in every group."""
-        return min((group.rows * group.period for group in self.groups.values()), default=0)
+        """Base ticks that the record covers completely in every group; of none, those that ran."""
+        ending: Mapping[str, Any] = self.manifest.get("exit") or {}
+        ran = int(ending.get("ticks", 0))
+        return min((group.rows * group.period for group in self.groups.values()), default=ran)
 
     @property
     def scenario_yaml(self) -> str:

@@ -46,6 +46,7 @@ class Recorder:
         self.statistics: tuple[ColumnStatistics, ...] = ()
         self.drain_time = 0.0
         """How long the loop's end was ahead of the file (s), after ``close``."""
+        self._begun = False
         self._streams: list[_Stream] = []
         self._full: SimpleQueue[_Block | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
@@ -72,6 +73,7 @@ class Recorder:
             _Stream(group, layout) for group, layout in zip(groups, layouts, strict=True)
         ]
         self.statistics = tuple(stream.statistics for stream in self._streams)
+        self._begun = True
         self._thread = threading.Thread(
             target=self._write_blocks, args=(file,), name="recorder", daemon=True
         )
@@ -80,7 +82,7 @@ class Recorder:
     @property
     def has_begun(self) -> bool:
         """Whether there is a file to read, be it without rows."""
-        return bool(self._streams)
+        return self._begun
 
     def buffer(self, group: int, rows: int) -> NDArray[np.int64]:
         """Room for the next ``rows`` rows of a group, shape (rows, columns), C order.

@@ -18,6 +18,7 @@ from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation, evaluate
 from cosim.report.measures import SCENARIO_MEASURES, TickRange
 from cosim.report.quantities import human, table
+from cosim.report.runaway import runaways
 
 SUMMARY_FILE = "summary.json"
 
@@ -31,6 +32,8 @@ HEADLINES = (
 """What a reader looks at first, in this order; of fingers, the own ones."""
 
 HEADLINE_ROWS = 16
+SHOWN = 4
+"""Runaway signals that are named; once a loop diverges, all of it does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,8 @@ class Summary:
     def text(self) -> str:
         """For a terminal or a log, without colour."""
         parts = [_head(self.content), _measures(self.content), _traffic(self.content)]
-        parts += [_signals(self.content), _verdicts(self.content), _end(self.content)]
+        parts += [_signals(self.content), _verdicts(self.content)]
+        parts += [_runaways(self.content), _end(self.content)]
         return "\n\n".join(part for part in parts if part)
 
 
@@ -66,11 +70,12 @@ def summarise(
     manifest = run.manifest
     ending = manifest.get("exit") or {"status": 1, "message": "The run was cut off."}
     met = all(verdict.passed for verdict in verdicts)
+    away = runaways(run, summaries, expectations)
     content: dict[str, Any] = {
         "scenario": manifest.get("scenario", {}).get("name", ""),
         "title": manifest.get("scenario", {}).get("title", ""),
         "run": str(run.folder),
-        "status": ending["status"] or (0 if met else 1),
+        "status": ending["status"] or (0 if met and not away else 1),
         "message": ending["message"],
         "ticks": run.ticks,
         "planned_ticks": manifest.get("scenario", {}).get("ticks"),
@@ -82,6 +87,7 @@ def summarise(
         "expectations": [verdict.as_dict() for verdict in verdicts],
         "passed": met if verdicts else None,
         "failures": [str(verdict) for verdict in verdicts if not verdict.passed],
+        "runaways": [str(each) for each in away],
         "channels": manifest.get("channels") or {},
         "deadlines": manifest.get("deadlines"),
         "warnings": manifest.get("warnings") or {},
@@ -128,6 +134,8 @@ def facts(content: Mapping[str, Any]) -> str:
         if content["measures"].get(name) is not None:
             value = human(content["measures"][name], SCENARIO_MEASURES[name].unit)
             parts.append(f"{name.replace('_', ' ')} {value}")
+    if content.get("runaways"):
+        parts.append(content["runaways"][0])
     if content["expectations"]:
         met = len(content["expectations"]) - len(content["failures"])
         parts.append(f"{met} of {len(content['expectations'])} expectations met")
@@ -162,7 +170,8 @@ def _head(content: Mapping[str, Any]) -> str:
     if "wall_time" in content:
         facts[0] += f" in {content['wall_time']:.3g} s"
         facts.append(f"{content['real_time_factor']:.3g} × real time")
-    facts.append(f"{recorded['signals']} signals, {recorded['bytes'] / 1e6:.3g} MB")
+    size = f"{recorded['signals']} signals, {recorded['bytes'] / 1e6:.3g} MB"
+    facts.append(size if recorded["signals"] else "nothing is recorded")
     if content.get("peak_memory"):
         facts.append(f"{content['peak_memory'] / 1e6:.0f} MB of memory")
     return f"{content['title'] or content['scenario']}\n  {' · '.join(facts)}"
@@ -217,6 +226,12 @@ def _verdicts(content: Mapping[str, Any]) -> str:
     lines = [f"  {len(verdicts) - len(failures)} of {len(verdicts)} expectations met"]
     lines += [f"  FAILED  {failure}" for failure in failures]
     return "\n".join(lines)
+
+
+def _runaways(content: Mapping[str, Any]) -> str:
+    away: list[str] = content.get("runaways") or []  # summaries of 0.1.0 have none
+    more = [f"  and {len(away) - SHOWN} more ran away"] if len(away) > SHOWN else []
+    return "\n".join([*(f"  {sentence}" for sentence in away[:SHOWN]), *more])
 
 
 def _end(content: Mapping[str, Any]) -> str:

@@ -21,10 +21,10 @@ from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LONGEST_DELAY, ClockMode
 from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
-from cosim.master.assembly.assemble import put_together
 from cosim.master.run.simulation import Progress, Simulation
+from cosim.preparation.prepare import Judge, prepare
 from cosim.realtime.pacing import DeadlinePacer, Policy, sleep_until
-from cosim.record.playback import KINDS
+from cosim.record.folder import check_folder
 from cosim.record.writer import Recorder
 from cosim.run import Finished, run_scenario
 from cosim.scenario import Scenario
@@ -101,6 +101,7 @@ def run_station(
     arrangement: Arrangement,
     *,
     say: Callable[[str], None],
+    judge: Judge | None = None,
     out: Path | None = None,
     figure: bool = True,
 ) -> Finished:
@@ -111,8 +112,10 @@ def run_station(
             something else.
         RunError: the others did not come.
     """
-    full = put_together(scenario, kinds=KINDS)
-    half = split(full, own)
+    check_folder(out)
+    with prepare(scenario, judge=judge, recorded=False).simulation as simulation:
+        full = simulation.assembly
+        half = split(full, own)
     names = [peer.name for peer in half.peers]
     addresses = _addresses(own, names, arrangement.peers)
     key_files = _key_files(own, names, arrangement.key_files)
@@ -178,6 +181,7 @@ def run_station(
             deadlines=execute.statistics,
             figure=figure,
             instances=instances,
+            say=say,
             link=execute.found,
         )
         full_scenario = finished.folder / FULL_SCENARIO_FILE

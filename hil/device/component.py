@@ -139,6 +139,14 @@ class DeviceComponent(Component):
         """Ask what has to be asked before the device is opened where nobody can be."""
         sessions.current().ask_ahead(self._made(None))
 
+    def rehearse(
+        self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
+    ) -> None:
+        """Show the device file's home pose, as if the handle were held there; nothing is opened."""
+        home = self.file.home
+        if home is not None:
+            outputs["joint_angle"][:] = home
+
     def open(self, opening: Opening) -> Device:
         """Configure and home the device: all that needs a person, a thread or the time to wait."""
         session = sessions.current()

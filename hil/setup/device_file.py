@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from cosim.base.errors import InputError, Location
 from cosim.base.node import Node
 from cosim.base.problems import Problems
+from cosim.base.writing import writing
 from hil.device.contract import WatchdogProof
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
@@ -122,7 +123,7 @@ def save(path: Path, values: Mapping[str, Any]) -> None:
     parse(values)
     writer = YAML()
     writer.default_flow_style = False
-    with path.open("w", encoding="utf-8") as stream:
+    with writing(path), path.open("w", encoding="utf-8") as stream:
         writer.dump(dict(values), stream)  # pyright: ignore[reportUnknownMemberType]
 
 
@@ -136,7 +137,7 @@ def add_watchdog_proof(path: Path, proof: WatchdogProof) -> None:
     if proof.serial is not None:
         document.setdefault("serial", proof.serial)
     parse(document)
-    with path.open("w", encoding="utf-8") as stream:
+    with writing(path), path.open("w", encoding="utf-8") as stream:
         editor.dump(document, stream)  # pyright: ignore[reportUnknownMemberType]
 
 

@@ -1,7 +1,8 @@
-"""What ``cohaptic check`` says of a scenario's devices: latency, bus loads, gains."""
+"""What is judged of a scenario's devices before any is opened: geometry, bus loads, gains."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -9,60 +10,105 @@ from cosim.base.errors import InputError
 from cosim.scenario import Kind, Scenario
 
 if TYPE_CHECKING:
+    from cosim.base.problems import Problems
     from cosim.master.run.simulation import Simulation
     from hil.device.component import DeviceComponent
 
+Devices = dict[str, tuple["DeviceComponent", Fraction]]
+"""Each device with its control rate (Hz)."""
 
-def check_devices(scenario: Scenario, simulation: Simulation) -> dict[str, Any]:
-    """Facts for the report, and sentences under ``warnings``; nothing is opened.
 
-    Raises:
-        InputError: a CAN bus cannot carry the scenario's devices.
+@dataclass(slots=True)
+class DeviceJudge:
+    """Judges a scenario's devices for a run; ``facts`` are for the report afterwards.
+
+    ``realtime`` says whether the run is paced; ``None`` where nobody knows yet.
     """
-    written = [name for name, part in scenario.components.items() if part.kind is Kind.DEVICE]
-    if not written:
-        return {"devices": {}, "buses": [], "warnings": []}
-    from cosim.analysis.device_latency import latency_warnings
-    from hil.device.component import DeviceComponent
-    from hil.wire.bus_plan import plan_buses
 
-    devices: dict[str, tuple[DeviceComponent, Fraction]] = {}
-    for name in written:
-        participant = simulation.assembly.participants[name]
-        if isinstance(participant.component, DeviceComponent):
-            rate = scenario.base_rate / participant.period
-            devices[name] = (participant.component, rate)
-    buses: list[dict[str, Any]] = []
-    for bus in plan_buses(devices):
-        try:
-            load = bus.load()
-        except InputError as error:
-            place = scenario.locate(("components", next(iter(bus.users)), "device"))
-            raise InputError(error.message, place) from None
-        buses.append(
-            {
-                "name": bus.name,
-                "devices": list(bus.users),
-                "frames_per_tick": len(bus.sizes),
-                "rate": float(bus.rate),
-                "bitrate": bus.bitrate,
-                "load": load.plain,
-                "worst_load": load.worst,
-            }
-        )
-    latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
-    return {
-        "devices": {
+    realtime: bool | None = None
+    facts: dict[str, Any] = field(default_factory=lambda: {"devices": {}, "buses": []})
+
+    def __call__(self, scenario: Scenario, simulation: Simulation) -> list[str]:
+        """Return warnings.
+
+        Raises:
+            InputError: a device cannot be used as the scenario wants to.
+        """
+        if all(part.kind is not Kind.DEVICE for part in scenario.components.values()):
+            return []
+        from cosim.analysis.device_latency import latency_warnings
+        from cosim.base.problems import Problems
+        from cosim.preparation.device_geometry import Lengths, judge_geometry
+
+        devices = _devices(scenario, simulation)
+        problems = Problems(scenario.root)
+        lengths = {
+            name: Lengths(
+                component.file.linkage.proximal,
+                component.file.linkage.distal,
+                component.file.linkage.base,
+            )
+            for name, (component, _) in devices.items()
+        }
+        judge_geometry(simulation.assembly, lengths, problems)
+        self._refuse_unpaced(devices, problems)
+        self.facts["buses"] = _buses(devices, problems)
+        problems.raise_if_any()
+        latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
+        self.facts["devices"] = {
             name: {
                 "url": component.address.url,
                 "latency_ticks": latency[name],
+                "needs_realtime": _lives_in_real_time(component),
                 "file": _file(component),
             }
             for name, (component, _) in devices.items()
-        },
-        "buses": buses,
-        "warnings": latency_warnings(scenario, latency),
-    }
+        }
+        return latency_warnings(scenario, latency)
+
+    def _refuse_unpaced(self, devices: Devices, problems: Problems) -> None:
+        """A device that lives in real time needs a paced run."""
+        for name, (component, _) in devices.items():
+            if _lives_in_real_time(component) and self.realtime is False:
+                with problems.at(("components", name)):
+                    raise InputError(
+                        f"{name} is a real device ({component.address.url}): run it with --realtime"
+                    )
+
+
+def _lives_in_real_time(component: DeviceComponent) -> bool:
+    return not (component.kind.in_process or component.lockstep)
+
+
+def _devices(scenario: Scenario, simulation: Simulation) -> Devices:
+    from hil.device.component import DeviceComponent
+
+    found: Devices = {}
+    for name, participant in simulation.assembly.participants.items():
+        if isinstance(participant.component, DeviceComponent):
+            found[name] = (participant.component, scenario.base_rate / participant.period)
+    return found
+
+
+def _buses(devices: Devices, problems: Problems) -> list[dict[str, Any]]:
+    from hil.wire.bus_plan import plan_buses
+
+    found: list[dict[str, Any]] = []
+    for bus in plan_buses(devices):
+        with problems.at(("components", next(iter(bus.users)), "device")):
+            load = bus.load()
+            found.append(
+                {
+                    "name": bus.name,
+                    "devices": list(bus.users),
+                    "frames_per_tick": len(bus.sizes),
+                    "rate": float(bus.rate),
+                    "bitrate": bus.bitrate,
+                    "load": load.plain,
+                    "worst_load": load.worst,
+                }
+            )
+    return found
 
 
 def _file(component: DeviceComponent) -> dict[str, Any]:
@@ -116,7 +162,12 @@ def proof_rows(report: dict[str, Any]) -> list[list[str]]:
 def device_rows(report: dict[str, Any]) -> list[list[str]]:
     """The table of devices."""
     return [
-        [name, facts["url"], f"latency in ticks: {facts['latency_ticks']}"]
+        [
+            name,
+            facts["url"],
+            f"latency in ticks: {facts['latency_ticks']}",
+            "needs --realtime" if facts["needs_realtime"] else "",
+        ]
         for name, facts in report["devices"].items()
     ]
 

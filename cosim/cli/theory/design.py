@@ -7,12 +7,13 @@ from pathlib import Path
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.support.command import Command
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.network import Network
 from cosim.theory.design import design, overlay
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option("--delay", type=float, metavar="S", help="Mean one-way delay, instead of samples.")
 @click.option("--jitter", type=float, metavar="S", help="RMS jitter, one way.")
 @click.option("--loss", type=float, metavar="P", help="Probability of loss, one way.")

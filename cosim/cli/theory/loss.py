@@ -9,12 +9,13 @@ from typing import get_args
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.support.command import Command
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option(
     "--losses",
     type=click.Choice(get_args(Losses)),

@@ -8,11 +8,12 @@ import click
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.cli.support.command import Command
 from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
 from cosim.theory.stability.map import Axis, stability_maps
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option(
     "--vary", "names", multiple=True, metavar="NAME", help="Twice: to the right, then upward."
 )

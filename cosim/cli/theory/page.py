@@ -6,8 +6,10 @@ from pathlib import Path
 
 import click
 
+from cosim.cli.support.command import Command
 
-@click.command()
+
+@click.command(cls=Command)
 @click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),

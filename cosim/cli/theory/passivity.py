@@ -5,11 +5,12 @@ from __future__ import annotations
 import click
 import numpy as np
 
+from cosim.cli.support.command import Command
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option(
     "--device-damping", type=float, required=True, metavar="B", help="Physical damping, N·s/m."
 )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from cosim.cli.support.command import Command
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.spectral_radius import stability
 
 
-@click.command()
+@click.command(cls=Command)
 @loop_options(chapter=5)
 def command(loop: Loop, as_json: bool) -> None:
     """Spectral radius over one network period, neutral motions apart: stable below 1."""

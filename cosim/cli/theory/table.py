@@ -9,10 +9,11 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
+from cosim.cli.support.command import Command
 from cosim.theory.chapters.chapter_6 import table_6_1, table_6_2
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("number", metavar="NUMBER")
 @click.option("--ratio", type=click.IntRange(1), default=8, show_default=True, help="N, for 6.2.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

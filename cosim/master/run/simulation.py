@@ -30,6 +30,7 @@ from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
+ALL_TOGETHER = ("all components together", "exchanging their first values")
 CHUNK_SECONDS = (0.005, 0.05)
 """A chunk grows while it takes less than the first and shrinks where it takes more than the second,
 so that Ctrl-C is heard soon."""
@@ -65,6 +66,8 @@ class Drive(Protocol):
         ...
 
 
+Told = Callable[[str, str], None]
+"""Told a component's name, and what is about to be done with it."""
 Progress = Callable[[int, float], None]
 """Told the ticks done and the loop's wall time (s), a few times a second."""
 
@@ -172,6 +175,15 @@ class Simulation:
             self.close()
         return self.outcome
 
+    def rehearse(self, told: Told) -> None:
+        """Start every component up to the first tick; nothing outside of this process is touched.
+
+        Raises:
+            InputError: a component refuses its parameters or cannot be loaded.
+            RunError: it failed.
+        """
+        self._start(self.scenario.ticks, recorded=True, rehearsal=told)
+
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
         for component in reversed(self._started):
@@ -192,37 +204,42 @@ class Simulation:
     ) -> None:
         self.close()
 
-    def _start(self, end: int, *, recorded: bool) -> None:
+    def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
+        told = rehearsal or _tell_nobody
         self._fill_start_values()
-        self._create_fmus()
+        self._create_fmus(told)
         plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
         self.program.compile(plan, self._fmus, self.assembly.columns)
-        self._start_components()
+        self._start_components(told, rehearsal=rehearsal is not None)
         for name, fmu in self._fmus.items():
+            told(name, "entering initialisation mode")
             period = self.assembly.parts[name].period
             last = -(-end // period) * period  # the end of its last step may lie beyond the run's
             with placed_refusal(self.scenario, name):
                 fmu.enter_initialisation(self.assembly.clock.seconds(last))
+        told(*ALL_TOGETHER)
         while (stop := self._evaluate(INITIAL)) is Stop.CALL:
             self._serve()
         self._raise_unless_done(stop)
         for name, fmu in self._fmus.items():
+            told(name, "leaving initialisation mode")
             with placed_refusal(self.scenario, name):
                 fmu.exit_initialisation()
 
-    def _create_fmus(self) -> None:
+    def _create_fmus(self, told: Told) -> None:
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
                 continue
             fmu = Fmu(name, participant.fmu, substeps=participant.substeps)
             self._fmus[name] = fmu
+            told(name, "being instantiated and given its values")
             with placed_refusal(self.scenario, name):
                 fmu.instantiate()
                 fmu.configure(participant.parameters)
                 fmu.set_values(participant.parameters)
                 fmu.set_values(participant.start)
 
-    def _start_components(self) -> None:
+    def _start_components(self, told: Told, *, rehearsal: bool) -> None:
         for name, participant in self.assembly.participants.items():
             component = participant.component
             if component is None:
@@ -237,10 +254,10 @@ class Simulation:
                 }
                 for causality in ("input", "output")
             }
+            told(name, "being initialised")
+            begin = component.rehearse if rehearsal else component.initialise
             with sentences(name, "while it was initialised"):
-                component.initialise(
-                    setup_of(self.scenario, participant), views["input"], views["output"]
-                )
+                begin(setup_of(self.scenario, participant), views["input"], views["output"])
 
     def _fill_start_values(self) -> None:
         for name, participant in self.assembly.participants.items():
@@ -335,6 +352,10 @@ class Simulation:
             record = self.program.records[number]
             if record.row_count:
                 sink.commit(number, -(-first // group.period) * group.period, record.row)
+
+
+def _tell_nobody(component: str, what: str) -> None:
+    del component, what
 
 
 def _address(program: Program) -> int:

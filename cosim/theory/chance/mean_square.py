@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cosim.base.errors import InputError
 from cosim.theory.chance.packets import LinkProcess, Losses, Pattern, bernoulli, join
 from cosim.theory.models.frame import Assembly, assemble
 from cosim.theory.models.mass_spring_damper import Model
@@ -23,6 +24,9 @@ from cosim.theory.stability.quotient import without_translation
 
 DENSE_LIMIT = 400
 """Up to this many unknowns the second-moment map is formed and its eigenvalues computed."""
+
+LARGEST_MOMENTS = 1_000_000_000
+"""Bytes of the second-moment maps of all outcomes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +99,23 @@ def jump_system(assembly: Assembly, pattern: Pattern, *, grounded: bool = False)
         frame = assembly.frame(events=outcome, depth=pattern.depth)
         scale = np.maximum(np.abs(frame.translation), 1.0)
         scaled = frame.map * (scale[None, :] / scale[:, None])
+        _refuse_large(len(scaled), len(pattern.outcomes))
         maps.append(scaled if grounded else without_translation(scaled, frame.translation / scale))
     return JumpSystem(np.array(maps), pattern)
+
+
+def _refuse_large(order: int, outcomes: int) -> None:
+    """Refuse second moments that do not fit into memory.
+
+    Raises:
+        InputError: with the limit.
+    """
+    needed = 8 * outcomes * (order * (order + 1) // 2) ** 2
+    if needed > LARGEST_MOMENTS:
+        raise InputError(
+            f"The second moments of a loop of order {order} take {needed / 1e9:.3g} GB; up to "
+            f"{LARGEST_MOMENTS / 1e9:g} GB are allowed. Shorten the delay (network samples)."
+        )
 
 
 def link_delays(model: Model, timing: Timing) -> list[int]:

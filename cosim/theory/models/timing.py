@@ -7,6 +7,13 @@ from fractions import Fraction
 
 from cosim.base.errors import InputError
 
+LONGEST_DELAY = 500
+"""Network samples one way. A loop's order grows with its delay, its matrices with the square."""
+LONGEST_COMPUTATION_DELAY = 250
+"""Ticks of T_c, for the same reason."""
+LONGEST_HYPERPERIOD = 100_000
+"""Base ticks until T_c and T_t coincide again, each of which is a product of matrices."""
+
 
 @dataclass(frozen=True, slots=True)
 class Delay:
@@ -20,15 +27,20 @@ class Delay:
     backward: int = 0
 
     def __post_init__(self) -> None:
-        """Refuse negative delays.
+        """Refuse negative delays, and those that no analysis here can carry.
 
         Raises:
-            InputError: where a delay is negative.
+            InputError: where a delay is negative or longer than ``LONGEST_DELAY``.
         """
         for name, samples in (("forward", self.forward), ("backward", self.backward)):
             if samples < 0:
                 raise InputError(
                     f"The {name} delay is {samples} network samples: it cannot be negative."
+                )
+            if samples > LONGEST_DELAY:
+                raise InputError(
+                    f"The {name} delay is {samples} network samples; the theory goes up to "
+                    f"{LONGEST_DELAY} one way."
                 )
 
     @staticmethod
@@ -71,7 +83,8 @@ class Timing:
         """Refuse what is not a sampling.
 
         Raises:
-            InputError: where a period or the ratio is not positive, or the delay negative.
+            InputError: where a period or the ratio is not positive, the computation delay is
+                negative, or one of them is too large for the analysis.
         """
         if self.control_period <= 0:
             raise InputError(f"The control period is {self.control_period} s: it must be positive.")
@@ -79,6 +92,16 @@ class Timing:
             raise InputError(
                 f"The ratio of the network period to the control period is {self.ratio}: "
                 "it must be positive, such as 8 for 128 Hz packets under 1024 Hz control."
+            )
+        if self.hyperperiod_ticks > LONGEST_HYPERPERIOD:
+            raise InputError(
+                f"The ratio {self.ratio} makes the periods coincide only every "
+                f"{self.hyperperiod_ticks} ticks; the theory goes up to {LONGEST_HYPERPERIOD}."
+            )
+        if self.computation_delay > LONGEST_COMPUTATION_DELAY:
+            raise InputError(
+                f"The computation delay is {self.computation_delay} ticks; the theory goes up to "
+                f"{LONGEST_COMPUTATION_DELAY}."
             )
         if self.computation_delay < 0:
             raise InputError(

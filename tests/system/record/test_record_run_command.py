@@ -139,13 +139,47 @@ def test_a_failing_component_ends_the_run_with_its_name_and_what_was_reached(
         assert 0 < run.groups["control"].rows < 100 * 1024
 
 
+FILLS_THE_DISK = """
+from pathlib import Path
+from cosim.base.component import Component
+
+
+class Greedy(Component):
+    @property
+    def variables(self):
+        return ()
+
+    def initialise(self, setup, inputs, outputs):
+        pass
+
+    def step(self, tick):
+        if tick == 20_000:
+            with Path("other").open("wb", buffering=0) as file:
+                while file.write(bytes(1 << 16)):
+                    pass
+"""
+
+
 def test_a_full_disk_ends_the_run_with_one_sentence_and_a_record(tmp_path: Path) -> None:
-    with small_disk(tmp_path, "4m"):
-        done = cohaptic("run", str(SCENARIO), "--duration", "600", folder=tmp_path)
+    greedy = '  greedy: {python: "fills:Greedy", rate: control}\n'
+    text = SCENARIO.read_text().replace("components:\n", f"components:\n{greedy}", 1)
+    with small_disk(tmp_path, "32m"):
+        (tmp_path / "fills.py").write_text(FILLS_THE_DISK)
+        (tmp_path / "single_axis.yaml").write_text(text)
+        done = cohaptic("run", "single_axis.yaml", "--duration", "100", folder=tmp_path)
         assert done.returncode == 1
         assert "Traceback" not in done.stderr
-        assert "no space left for the record" in done.stderr
-        assert len(done.stderr.splitlines()) == 1
+        assert "No space left on device" in done.stderr
         with open_run(tmp_path / "runs" / "single_axis-1") as run:
-            assert 1000 < run.groups["control"].rows < 600 * 1024
+            assert 1000 < run.groups["control"].rows < 100 * 1024
             assert run["box.position"].values[-1] != 0
+
+
+def test_a_record_larger_than_the_disk_is_refused_with_both_sizes(tmp_path: Path) -> None:
+    with small_disk(tmp_path, "4m"):
+        done = cohaptic("run", str(SCENARIO), "--duration", "600", folder=tmp_path)
+        assert done.returncode == 2
+        assert "MB are free at" in done.stderr
+        assert "record fewer signals" in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+        assert not (tmp_path / "runs").exists()
