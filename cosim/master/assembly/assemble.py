@@ -10,6 +10,7 @@ from cosim.base.problems import Problems
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.connections import wire
+from cosim.master.assembly.copies import differing_copies
 from cosim.master.assembly.files import with_files
 from cosim.master.assembly.layout import Layout, lay_out
 from cosim.master.assembly.participants import Factory, Participant, read_participants
@@ -85,7 +86,7 @@ def put_together(
                 tuple(layout.of(signal) for signal in group.signals.values()) for group in selected
             ),
             lagging=tuple(planner.lagging()),
-            notes=tuple(wiring.notes),
+            notes=(*wiring.notes, *differing_copies(scenario, participants)),
         )
     problems.raise_if_any()
     raise AssertionError

@@ -170,7 +170,7 @@ def _all_rates(
     for position, form in enumerate(document.connections):
         index = context.index("connections", position)
         add(f"the rate of connection {index}", form.rate, ("connections", index, "rate"))
-    for position, entry in enumerate(document.record or ()):
+    for position, entry in enumerate(document.record):
         if not isinstance(entry, str):
             index = context.index("record", position)
             add(f"the rate of record {index}", entry.rate, ("record", index, "rate"))
@@ -257,8 +257,6 @@ def _connections(
 
 
 def _record(context: Context) -> tuple[Record, ...]:
-    if context.document.record is None:
-        return (Record(pattern="*"),)
     records: list[Record] = []
     for position, entry in enumerate(context.document.record):
         index = context.index("record", position)

@@ -180,15 +180,12 @@ class Document(Form):
     connections: list[ConnectionEntry] = Field(
         default_factory=list[ConnectionEntry], description="Outputs to inputs."
     )
-    record: (
-        list[
-            Annotated[
-                Annotated[Pattern, Tag("plain")] | Annotated[RecordForm, Tag("mapping")],
-                Discriminator(mapping_tag),
-            ]
+    record: list[
+        Annotated[
+            Annotated[Pattern, Tag("plain")] | Annotated[RecordForm, Tag("mapping")],
+            Discriminator(mapping_tag),
         ]
-        | None
-    ) = Field(default=None, description="Signals to record; everything by default.")
+    ] = Field(default=["*"], description="Signals to record; everything by default.")
     expect: dict[str, dict[str, Any]] = Field(
         default_factory=dict, description="Acceptance by signal; makes the scenario a test."
     )

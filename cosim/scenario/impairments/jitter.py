@@ -16,6 +16,8 @@ from cosim.scenario.impairments.effect import Average, Draw, Effect, PacketBlock
 from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting
 
 MAX_STEPS = 10_000
+ROUNDING = 1e-6
+"""Weights that sum to one but for rounding are scaled to do so exactly."""
 ONE_SAMPLE = Lag(Fraction(1), "samples")
 _EXTRA = 0
 """The purpose of the one draw that a packet needs."""
@@ -28,7 +30,7 @@ class RmsJitter(Form):
 
 
 class WeightedJitter(Form):
-    """Extra delay of i steps with probability weights[i]; the weights are scaled to sum to one."""
+    """Extra delay of i steps with probability weights[i]; the weights sum to one."""
 
     weights: Annotated[list[Probability], Field(min_length=1, max_length=10_000)]
     step: Delay | None = Field(default=None, description="One step; one sample unless given.")
@@ -120,8 +122,10 @@ def _resolve(written: Any, setting: Setting) -> Jitter | None:
 
 def _given(written: WeightedJitter, setting: Setting) -> tuple[int, tuple[float, ...]]:
     total = fsum(written.weights)
-    if total <= 0.0:
-        raise ImpairmentProblem("the weights are all zero.")
+    if abs(total - 1.0) > ROUNDING:
+        raise ImpairmentProblem(
+            f"the weights sum to {total:g}; they are probabilities, which sum to 1."
+        )
     scaled = abs(total - 1.0) > 1e-9
     weights = tuple(w / total if scaled else w for w in written.weights)
     return setting.ticks(written.step or ONE_SAMPLE), weights

@@ -124,6 +124,11 @@ def _check_version(members: dict[str, Node], place: Location, needed: bool) -> N
                 f"its language; it is missing.{hint}",
                 place,
             )
+    elif version.value == str(LANGUAGE_VERSION):
+        raise InputError(
+            f"the version is a number: write 'cohaptic: {LANGUAGE_VERSION}', without quotes.",
+            version.place,
+        )
     elif version.value != LANGUAGE_VERSION or isinstance(version.value, bool):
         raise InputError(
             f"version {show(version.value)} of the scenario language; this cohaptic reads version "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from pathlib import Path
 
 from cosim.base.errors import InputError, Location
@@ -29,7 +30,39 @@ def apply_override(root: Node, text: str) -> Node:
         raise InputError("there is no value behind '='; '~' removes.", place)
     value = parse_yaml(written, place.file, has_lines=False)
     keys = _keys(root, path.strip(), value, place)
+    _refuse_anchors(root, keys, written.strip(), place)
     return _assign(root, keys, expand(value, tuple(keys), Path.cwd()), ())
+
+
+def _refuse_anchors(root: Node, keys: list[PathKey], written: str, place: Location) -> None:
+    """Under ``x-…`` nothing is obeyed: what is there was copied to where its alias stands."""
+    if not str(keys[0]).startswith("x-"):
+        return
+    node, depth = root.find(tuple(keys))
+    used = list(_copies(root, node.place, ())) if depth == len(keys) and node.place.line else []
+    where = ".".join(map(str, keys))
+    if used:
+        listed = " and ".join(f"--set {name}={written}" for name in used)
+        raise InputError(f"'{where}' only holds what is used elsewhere: write {listed}.", place)
+    raise InputError(
+        f"'{where}' is a place for anchors, and an alias copies it when the file is read: set the "
+        "key where the alias stands, such as components.NAME.parameters.KEY.",
+        place,
+    )
+
+
+def _copies(node: Node, place: Location, path: tuple[PathKey, ...]) -> Generator[str]:
+    """The paths outside ``x-…`` of what was written at a place."""
+    if path and node.place == place:
+        yield ".".join(map(str, path))
+        return
+    members: dict[str, Node] = node.value if isinstance(node.value, dict) else {}
+    for key, member in members.items():
+        if path or not key.startswith("x-"):
+            yield from _copies(member, place, (*path, key))
+    if isinstance(node.value, list):
+        for index, item in enumerate(node.value):
+            yield from _copies(item, place, (*path, index))
 
 
 def _keys(root: Node, path: str, value: Node, place: Location) -> list[PathKey]:

@@ -17,7 +17,11 @@ JITTER = (
     LAG
     | st.fixed_dictionaries({"rms": st.sampled_from(["0.49 ms", "0 s", "3 ms"])})
     | st.fixed_dictionaries(
-        {"weights": st.lists(st.floats(0.01, 1.0), min_size=1, max_size=4)},
+        {
+            "weights": st.lists(st.floats(0.01, 1.0), min_size=1, max_size=4).map(
+                lambda given: [weight / sum(given) for weight in given]
+            )
+        },
         optional={"step": st.sampled_from([1, "1 tick", "2 ms"])},
     )
 )

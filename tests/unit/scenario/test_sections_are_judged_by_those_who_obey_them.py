@@ -7,7 +7,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from cosim.base.errors import InputErrors
+from cosim.base.errors import InputError, InputErrors
 from cosim.cli import cli
 from cosim.cli.support.forms import FORMS
 from cosim.scenario import load
@@ -27,6 +27,12 @@ expect:
   a.x: {max_abs_belo: 3}
   a.y: {from: true, max_within: 3}
   a.z: {w: {frequency: fast, final_equals: 1 xyz, man_below: 2}}
+"""
+
+BENCH = """cohaptic: 1
+duration: 1
+rates: {control: 1000}
+components: {left: {device: 'mock://'}, right: {device: 'mock://'}}
 """
 
 
@@ -52,6 +58,37 @@ def test_every_section_says_what_is_wrong_and_where(tmp_path) -> None:
         assert sentence in said
 
 
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ("cohaptic: '1'", "write 'cohaptic: 1', without quotes"),
+        ("record:", "record: it has no value"),
+        ("record: [~]", "record.0: it has no value"),
+        ("record: [{signals: ~}]", "record.0.signals: it has no value"),
+    ],
+)
+def test_what_looks_like_a_value_and_is_none(changed, sentence, tmp_path) -> None:
+    file = tmp_path / "bench.yaml"
+    key = changed.partition(":")[0]
+    lines = [line for line in BENCH.splitlines() if not line.startswith(f"{key}:")]
+    file.write_text("\n".join([*lines, changed]))
+    with pytest.raises(InputError, match=sentence):
+        load(file)
+
+
+def test_an_anchor_cannot_be_set_but_its_copies_can() -> None:
+    copies = "--set components.vr_a.parameters.mass=1 and --set components.vr_b.parameters.mass=1"
+    with pytest.raises(InputError, match=f"write {copies}"):
+        load("two_users_box", (), ["x-environment.mass=1"])
+    with pytest.raises(InputError, match="where the alias stands"):
+        load("two_users_box", (), ["x-nothing.mass=1"])
+
+
+def test_weights_that_do_not_sum_to_one_are_refused() -> None:
+    with pytest.raises(InputError, match=r"the weights sum to 0\.7; they are probabilities"):
+        load("two_users_box", (), ["channels.lan.jitter={weights: [0.5, 0.2]}"])
+
+
 def test_sections_are_in_si_units_and_survive_their_own_writing(tmp_path) -> None:
     sets = ("safety.torque='100 mN.m'", "link.fade='20 ms'", "realtime={on_miss: stop, cpu: 0}")
     scenario = load("two_users_box", (), sets, forms=FORMS)
@@ -69,10 +106,7 @@ def test_sections_are_in_si_units_and_survive_their_own_writing(tmp_path) -> Non
 @pytest.mark.parametrize(("torque", "holds"), [(0.05, 0.05), (0.5, 0.15)])
 def test_the_tighter_of_safety_and_device_holds_for_every_device(torque, holds, tmp_path) -> None:
     file = tmp_path / "bench.yaml"
-    file.write_text(
-        "cohaptic: 1\nduration: 1\nrates: {control: 1000}\n"
-        "components: {left: {device: 'mock://'}, right: {device: 'mock://'}}\n"
-    )
+    file.write_text(BENCH)
     done = CliRunner().invoke(
         cli, ["check", str(file), "--set", f"safety.torque={torque}", "--json"]
     )
