@@ -51,5 +51,6 @@ def _component(assembly: Assembly, name: str) -> dict[str, Any]:
     if participant.fmu is not None:
         found["sha256"] = participant.fmu.sha256
     else:
-        found["source"] = assembly.scenario.components[name].source
+        # Where a Python file lies is a station's own affair.
+        found["source"] = assembly.scenario.components[name].source.rpartition("/")[2]
     return found

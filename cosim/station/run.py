@@ -185,7 +185,7 @@ def run_station(
             link=execute.found,
         )
         full_scenario = finished.folder / FULL_SCENARIO_FILE
-        full_scenario.write_text(to_yaml(scenario), encoding="utf-8")
+        full_scenario.write_text(to_yaml(full.scenario), encoding="utf-8")
         return finished
     finally:
         process.close()

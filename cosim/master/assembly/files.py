@@ -1,4 +1,4 @@
-"""Parameters that name a file: relative to where they are written, and absolute from then on."""
+"""Files that a scenario names: relative to where they are written, and absolute from then on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 
 from cosim.base.meaning import Meaning
 from cosim.master.assembly.participants import Participant
-from cosim.scenario import Scenario
+from cosim.master.assembly.python_component import file_source
+from cosim.scenario import Kind, Scenario
 from cosim.scenario.source.find import folder_at
 
 
@@ -33,6 +34,9 @@ def with_files(scenario: Scenario, participants: Mapping[str, Participant]) -> S
         if found:
             parameters = {**changed[name].parameters, **found}
             changed[name] = replace(changed[name], parameters=parameters)
+        if changed[name].kind is Kind.PYTHON:
+            source = file_source(changed[name].source, scenario.file.parent)
+            changed[name] = replace(changed[name], source=source)
     return replace(scenario, components=changed)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import entry_points
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from cosim.base.component import Component
+from cosim.base.component import Causality, Component, Variable
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.blame import told
@@ -23,7 +24,7 @@ METHODS = ("read", "evaluate", "write", "step")
 
 
 def load_class(source: str, folder: Path) -> Component:
-    """A component from ``module:Class``, or from a name registered as an entry point.
+    """A component from ``module:Class``, ``file.py:Class``, or a name with an entry point.
 
     The scenario's folder is searched as well.
 
@@ -31,7 +32,7 @@ def load_class(source: str, folder: Path) -> Component:
         InputError: there is no such module or class, or it is no component.
     """
     registered = {entry.name: entry for entry in entry_points(group=COMPONENTS)}
-    module_name, colon, class_name = source.partition(":")
+    module_name, colon, class_name = source.rpartition(":")
     if source in registered:
         made: Any = registered[source].load()
     elif not colon:
@@ -77,17 +78,38 @@ def interface_of(name: str, component: Component, *, feedthrough: bool | None) -
     """
     try:
         variables = checked_variables(component)
+        dependencies, terminals = component.dependencies, component.terminals
+        _check_names(variables, dependencies, terminals)
         return Interface(
             component=name,
             variables=variables,
             feedthrough=component.feedthrough if feedthrough is None else feedthrough,
-            dependencies=component.dependencies,
-            terminals=component.terminals,
+            dependencies=dependencies,
+            terminals=terminals,
         )
     except CohapticError:
         raise
     except Exception as error:
         raise InputError(f"{name} cannot tell its variables: {told(error)}") from None
+
+
+def _check_names(
+    variables: Mapping[str, Variable],
+    dependencies: Mapping[str, Sequence[str]],
+    terminals: Mapping[str, Mapping[str, str]],
+) -> None:
+    """What dependencies and terminals name is there, and is what they take it for."""
+    for output, inputs in dependencies.items():
+        for name, wanted in ((output, Causality.OUTPUT), *((i, Causality.INPUT) for i in inputs)):
+            known = [v.name for v in variables.values() if v.causality is wanted]
+            if name not in known:
+                hint = did_you_mean(name, known)
+                raise InputError(f"'dependencies' names '{name}', which is no {wanted}.{hint}")
+    for terminal, members in terminals.items():
+        for name in members.values():
+            if name not in variables:
+                hint = did_you_mean(name, variables)
+                raise InputError(f"the terminal {terminal} names '{name}'; there is none.{hint}")
 
 
 def methods_of(component: Component) -> frozenset[str]:
@@ -108,16 +130,43 @@ def sentences(name: str, when: str) -> Generator[None]:
         raise RunError(f"{name} failed {when}: {told(error)}") from error
 
 
+def file_source(source: str, folder: Path) -> str:
+    """``module:Class`` as ``/folder/module.py:Class`` where the module lies beside the scenario.
+
+    So a resolved scenario finds it from any other folder.
+    """
+    module_name, _, class_name = source.rpartition(":")
+    file = (folder / f"{module_name}.py").absolute()
+    return f"{file}:{class_name}" if class_name and file.is_file() else source
+
+
 def _find_class(module_name: str, class_name: str, folder: Path) -> Any:
-    sys.path.insert(0, str(folder))
+    given = Path(module_name)
+    own = given if given.suffix == ".py" else folder / f"{module_name.replace('.', '/')}.py"
+    sys.path.insert(0, str(own.parent if own is given else folder))
     try:
-        module = importlib.import_module(module_name)
+        module = _import(own.stem if own is given else module_name, own)
     except (Exception, SystemExit) as error:
         raise InputError(f"the module {module_name} cannot be imported: {told(error)}") from None
     finally:
-        sys.path.remove(str(folder))
+        del sys.path[0]
     if not hasattr(module, class_name):
         names = [name for name, value in vars(module).items() if isinstance(value, type)]
         hint = did_you_mean(class_name, names)
         raise InputError(f"the module {module_name} has no class '{class_name}'.{hint}")
     return getattr(module, class_name)
+
+
+def _import(name: str, own: Path) -> ModuleType:
+    """The module; the file ``own`` where it exists, even if another one has its name already."""
+    before = sys.modules.get(name)
+    known = getattr(before, "__file__", None)
+    if before is None or known is None or not own.is_file() or own.samefile(known):
+        return importlib.import_module(name)
+    # Somebody else's scenario had a module of this name in its own folder.
+    del sys.modules[name]
+    try:
+        importlib.invalidate_caches()
+        return importlib.import_module(name)
+    finally:
+        sys.modules[name] = before

@@ -62,7 +62,7 @@ def _source(context: Context, name: str, kind: Kind, form: ComponentForm) -> str
         case Kind.FMU:
             found, message = _fmu(form.fmu or "", context.folder(path))
         case Kind.PYTHON:
-            found, message = _python(form.python or "")
+            found, message = _python(form.python or "", context.folder(path))
         case Kind.DEVICE:
             device = form.device
             found, message = _url(device.url if isinstance(device, DeviceForm) else device or "")
@@ -104,10 +104,15 @@ def _fmu(text: str, folder: Path) -> tuple[str | None, str]:
     return (str(file), "") if file.is_file() else (None, f"there is no file {file}.")
 
 
-def _python(text: str) -> tuple[str | None, str]:
+def _python(text: str, folder: Path) -> tuple[str | None, str]:
+    if found := re.fullmatch(r"(.+\.py):([^\W\d]\w*)", text):
+        file = (folder / Path(found[1]).expanduser()).absolute()
+        if not file.is_file():
+            return None, f"there is no file {file}."
+        return f"{file}:{found[2]}", ""
     if re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", text):
         return text, ""
-    return None, f"'{text}' is no Python class; write 'package.module:Class'."
+    return None, f"'{text}' is no Python class; write 'package.module:Class' or 'file.py:Class'."
 
 
 def _url(text: str) -> tuple[str | None, str]:

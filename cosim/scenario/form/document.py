@@ -56,7 +56,9 @@ class ComponentForm(Form):
     fmu: str | None = Field(
         default=None, description="A bundled model's name, or the path of an FMI 2 or 3 archive."
     )
-    python: str | None = Field(default=None, description="`module:Class`, a Component subclass.")
+    python: str | None = Field(
+        default=None, description="`module:Class` or `file.py:Class`, a Component subclass."
+    )
     device: (
         Annotated[
             Annotated[str, Tag("plain")] | Annotated[DeviceForm, Tag("mapping")],
