@@ -64,14 +64,17 @@ def test_a_resolved_scenario_runs_from_another_folder(tmp_path: Path) -> None:
 
 def test_a_file_may_be_named(tmp_path: Path) -> None:
     assert value_of(written(tmp_path / "one", 4.0, "./constant_part.py:Constant")) == 4.0
-    with pytest.raises(InputError, match=r"s\.yaml:4:25: .*there is no file .*nothing\.py"):
+    with pytest.raises(InputError, match=r"s\.yaml:4:26: .*there is no file .*nothing\.py"):
         load(written(tmp_path / "two", 4.0, "nothing.py:Constant"))
 
 
 @pytest.mark.parametrize(
     ("method", "sentence"),
     [
-        ('dependencies(self): return {"valeu": []}', "valeu', which is no output. There is value"),
+        (
+            'dependencies(self): return {"valeu": []}',
+            "valeu', which is no output. Did you mean value",
+        ),
         ('dependencies(self): return {"value": ["x"]}', "'x', which is no input"),
         ('terminals(self): return {"t": {"m": "valu"}}', "terminal t names 'valu'.*mean value"),
     ],
