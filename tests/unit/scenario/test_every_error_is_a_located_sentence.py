@@ -136,7 +136,7 @@ MISTAKES = {
         "third: {python: model.py",
         (
             "s.yaml:8:19: components.third: 'model.py' is no Python class; write "
-            "'package.module:Class'."
+            "'package.module:Class' or 'file.py:Class'."
         ),
     ),
     "bad name": (
