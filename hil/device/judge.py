@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import time
+
 from hil.device.contract import Cause, Received, State
 from hil.device.errors import BoardError
 from hil.safety.layer import Trip
 
 LONGEST_STEP = 1.0
-"""A board's clock that goes on by more than this (s) between two samples was set anew."""
+"""A board's clock that goes on by so much more than the host's (s) between two samples was set
+anew."""
 DISABLED_TICKS = 8
 """Ticks in which an active board may still answer that its output stage is off: answers from
 before it was switched on."""
@@ -18,6 +21,7 @@ class Judge:
 
     def __init__(self) -> None:
         self._time: float | None = None
+        self._host = 0.0
         self._disabled = 0
         self._was_enabled = False
 
@@ -40,8 +44,9 @@ class Judge:
         now, before = received.device_time, self._time
         if now is None:
             return None
+        passed, self._host = time.monotonic() - self._host, time.monotonic()
         self._time = now
-        if before is None or 0.0 <= now - before < LONGEST_STEP:
+        if before is None or 0.0 <= now - before < LONGEST_STEP + passed:
             return None
         way = "ran back" if now < before else "leapt"
         return Trip(

@@ -12,6 +12,7 @@ import struct
 from hil.device.contract import ZERO
 from hil.drivers.cobs.protocol import COMMAND, REPLY, CommandFlag, ReplyFlag, Splitter, frame
 from hil.emulation.board import Board, Unit
+from hil.emulation.faults import FaultKind
 from hil.emulation.launch import Made, Order
 from hil.emulation.links import PtyLink
 from hil.emulation.world import World
@@ -48,8 +49,12 @@ class CobsBoard(Board):
         return answers
 
     def tick(self) -> list[Unit]:
-        """The watchdog."""
+        """The watchdog; after a restart nothing is known of what was commanded before."""
         self._time += self._tick
+        if self.world.fault(FaultKind.RESTART):
+            self._splitter, self._time, self._last = Splitter(), 0.0, 0.0
+            self._fired = self._enabled = False
+            self.world.torque = ZERO
         if self._watchdog and self._time - self._last > self._watchdog:
             self._fired |= self._enabled
             self._enabled, self.world.torque = False, ZERO

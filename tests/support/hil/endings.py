@@ -1,0 +1,212 @@
+"""A run on a terminal of its own, pushing on motors at the other end of a wire, that can be ended.
+
+The terminal is the run's controlling one: what is typed into it, and its being closed, is what a
+person does. Nothing here asks the product what it did: torques are the motors' own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+HAPLY_HOME = {"haply": [2.4, 0.9], "cobs": [2.2873, 0.8543]}
+SCENARIO = """
+cohaptic: 1
+title: A torque that pushes on
+duration: 60
+rates: {{control: 1024}}
+components:
+  finger: {{device: {{url: "{url}", file: {file}}}, rate: control}}
+  push: {{python: "pushing:Push", rate: control}}
+connections:
+  - push.motor_torque -> finger.motor_torque
+record: [finger.applied_torque]
+"""
+PATIENCE = 60.0
+
+
+@dataclass
+class Seen:
+    """What the motors were told: (time, torque 1, torque 2), and when they did not look."""
+
+    torques: list[tuple[float, float, float]]
+    away: list[tuple[float, float]]
+
+    def first_zero(self, after: float) -> float | None:
+        """Seconds from ``after`` to the first zero that is followed by nothing but zeros."""
+        hot = [t for t, *pair in self.torques if any(pair)]
+        last = hot[-1] if hot else after
+        zeros = [t for t, *pair in self.torques if t > last and not any(pair)]
+        return max(0.0, zeros[0] - after) if zeros else None
+
+    def pushes(self, at: float) -> bool:
+        """Whether the last torque before that time is none of zero."""
+        before = [pair for t, *pair in self.torques if t <= at]
+        return bool(before) and any(before[-1])
+
+    def busy(self, begin: float, seconds: float) -> float:
+        """How long the motors' own process was kept from looking meanwhile (s)."""
+        return sum(length for t, length in self.away if begin <= t <= begin + seconds + length)
+
+
+@dataclass
+class Run:
+    """The command, on its terminal, with its motors."""
+
+    folder: Path
+    board: str
+    said: str = ""
+    motors: subprocess.Popen = field(init=False)
+    command: subprocess.Popen = field(init=False)
+    terminal: int | None = None
+
+    def start(self) -> None:
+        self.motors = subprocess.Popen(
+            [sys.executable, str(HERE / "motors.py"), self.board],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self.motors.stdout is not None
+        port = self.motors.stdout.readline().strip()
+        home = HAPLY_HOME[self.board]
+        device = {"driver": self.board, "home": home, "estop": "confirmed"}
+        if self.board == "cobs":
+            device["watchdog_proof"] = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.03}
+        file = self.folder / "device.yaml"
+        file.write_text(json.dumps(device))
+        scenario = self.folder / "push.yaml"
+        scenario.write_text(SCENARIO.format(url=f"{self.board}://{port}", file=file))
+        (self.folder / "pushing.py").write_text((HERE / "pushing.py").read_text())
+        self.terminal, theirs = os.openpty()
+        self.command = subprocess.Popen(
+            [
+                *(sys.executable, "-c", "from cosim.cli import cli; cli()", "run", str(scenario)),
+                *("--realtime", "--enable-output", "--no-figure"),
+                *("--out", str(self.folder / "out")),
+            ],
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+            cwd=self.folder,
+            start_new_session=True,
+            preexec_fn=_control,
+        )
+        os.close(theirs)
+        self.answer("Type 'enable'", "enable\n")
+        self.answer("press Enter", "\n")
+        self.wait_until_pushing()
+
+    def answer(self, question: str, text: str) -> None:
+        assert self.terminal is not None
+        self.listen_for(question)
+        os.write(self.terminal, text.encode())
+
+    def listen_for(self, words: str) -> None:
+        end, begin = time.monotonic() + PATIENCE, len(self.said)
+        while words not in self.said[begin:]:
+            assert time.monotonic() < end, f"never said {words!r}: {self.said}"
+            assert self.listen(0.1) or self.command.poll() is None, self.said
+
+    def listen(self, seconds: float) -> bool:
+        """Take what the terminal shows; whether there was anything."""
+        if self.terminal is None or not select.select([self.terminal], [], [], seconds)[0]:
+            return False
+        with suppress(OSError):
+            text = os.read(self.terminal, 65536).decode(errors="replace")
+            self.said += text
+            return bool(text)
+        return False
+
+    def wait_until_pushing(self) -> None:
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            self.listen(0.1)
+            if sum(map(abs, self.asked("now"))) > 0.01:
+                return
+            assert self.command.poll() is None, self.said
+        raise AssertionError(f"it never pushed: {self.said}")
+
+    def asked(self, word: str) -> Any:
+        assert self.motors.stdin is not None
+        assert self.motors.stdout is not None
+        self.motors.stdin.write(word + "\n")
+        self.motors.stdin.flush()
+        return json.loads(self.motors.stdout.readline())
+
+    def seen(self) -> Seen:
+        found = self.asked("dump")
+        return Seen([tuple(row) for row in found["seen"]], found["away"])
+
+    @property
+    def supervisor(self) -> int:
+        return _child(self.command.pid)
+
+    @property
+    def loop(self) -> int:
+        return _child(self.supervisor)
+
+    def type(self, key: str) -> None:
+        assert self.terminal is not None
+        os.write(self.terminal, key.encode())
+
+    def close_terminal(self) -> None:
+        assert self.terminal is not None
+        os.close(self.terminal)
+        self.terminal = None
+
+    def status(self) -> int:
+        """The command's exit status; what it still says is taken."""
+        end = time.monotonic() + PATIENCE
+        while self.command.poll() is None:
+            self.listen(0.1)
+            assert time.monotonic() < end, f"it does not end: {self.said}"
+        while self.listen(0.1):
+            pass
+        return self.command.returncode
+
+    def end(self) -> None:
+        for process in _tree(self.command.pid):
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        self.command.wait()
+        if self.terminal is not None:
+            os.close(self.terminal)
+        self.motors.kill()
+        self.motors.wait()
+        assert self.motors.stdin is not None
+        assert self.motors.stdout is not None
+        self.motors.stdin.close()
+        self.motors.stdout.close()
+
+
+def _control() -> None:
+    """In the child: the terminal on standard input becomes its controlling one."""
+    import fcntl
+    import termios
+
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+def _child(process: int) -> int:
+    text = Path(f"/proc/{process}/task/{process}/children").read_text()
+    (first, *_) = text.split()
+    return int(first)
+
+
+def _tree(process: int) -> list[int]:
+    found = [process]
+    with suppress(OSError):
+        for child in Path(f"/proc/{process}/task/{process}/children").read_text().split():
+            found += _tree(int(child))
+    return found
