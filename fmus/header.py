@@ -73,6 +73,11 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
         f"const bool model_variable_step = {'true' if model.variable_step else 'false'};",
         f"const uint32_t model_slots = {layout.slots};",
         f"const size_t model_work_bytes = {model.work_bytes};",
+        *(
+            ()
+            if model.state_ends_in_table
+            else ("size_t model_state_used(const State *s) { return model_state_size; }",)
+        ),
         "",
         f"const Element model_elements[{max(layout.slots, 1)}] = {{",
     ]

@@ -109,6 +109,7 @@ class Model:
     ``variable_step`` says whether steps of different length may follow each other; where it is
     false, the first step's length is enforced. ``default_step`` is in seconds. ``work_bytes`` is
     the room that ``model_outputs`` has for what ``model_step`` can use again (``model.h``).
+    ``state_ends_in_table``: the model says itself how much of its state is in use.
     """
 
     name: str
@@ -120,3 +121,4 @@ class Model:
     variable_step: bool = True
     default_step: float = 1 / 1024
     work_bytes: int = 0
+    state_ends_in_table: bool = False

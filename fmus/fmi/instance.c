@@ -19,6 +19,13 @@ void instance_clear_work(Instance *i)
         memset(model_work(i->state), 0, model_work_bytes);
 }
 
+/* Rows of a table that are not in use are never read, so that they need not be cleared. */
+void instance_clear_state(Instance *i)
+{
+    memset(i->state, 0, model_state_used(i->state));
+    instance_clear_work(i);
+}
+
 static void log_information(void *context, const char *sentence)
 {
     Instance *i = context;
@@ -29,7 +36,7 @@ static void log_information(void *context, const char *sentence)
 static void set_start_values(Instance *i)
 {
     memset(i->cells, 0, 8 * (size_t)model_slots);
-    memset(i->state, 0, instance_state_room());
+    instance_clear_state(i);
     for (uint32_t slot = 0; slot < model_slots; ++slot)
         i->cells[slot] = model_elements[slot].start;
     for (size_t k = 0; k < model_string_starts_count; ++k) {
@@ -38,6 +45,7 @@ static void set_start_values(Instance *i)
             *target++ = *c;
     }
     i->clock = (Clock){.phase = PHASE_INSTANTIATED};
+    i->stop_time_defined = false;
     i->is_outdated = true;
 }
 
@@ -151,8 +159,8 @@ Status instance_setup(Instance *i, const char *function, double start_time, bool
         return instance_complain(i, ERROR, "%s: the stop time %g s lies before the start, %g s.",
                                  function, stop_time, start_time);
     i->clock.time = i->clock.start_time = start_time;
-    i->clock.stop_time = stop_time_defined ? stop_time : 0.0;
-    i->clock.stop_time_defined = stop_time_defined;
+    i->stop_time = stop_time;
+    i->stop_time_defined = stop_time_defined;
     return OK;
 }
 
@@ -168,7 +176,7 @@ Status instance_enter_initialisation(Instance *i, const char *function)
 
 static Status initialise_model(Instance *i)
 {
-    memset(i->state, 0, instance_state_room());
+    instance_clear_state(i);
     i->report.start_time = i->clock.start_time;
     const char *problem = model_initialise((Variables *)i->cells, i->state, &i->report);
     if (problem == NULL)
@@ -215,9 +223,9 @@ Status instance_step(Instance *i, const char *function, double t, double h)
         return instance_complain(i, ERROR,
                                  "%s: the step starts at %g s, but the last one ended at %g s.",
                                  function, t, i->clock.time);
-    if (i->clock.stop_time_defined && t + h > i->clock.stop_time + tolerance(t, h))
+    if (i->stop_time_defined && t + h > i->stop_time + tolerance(t, h))
         return instance_complain(i, ERROR, "%s: the step ends at %g s, after the stop time %g s.",
-                                 function, t + h, i->clock.stop_time);
+                                 function, t + h, i->stop_time);
     if (!model_variable_step && i->clock.step > 0.0 && fabs(h - i->clock.step) > 1e-9 * h)
         return instance_complain(i, ERROR,
                                  "%s: the step is %g s, the earlier ones were %g s; this model "

@@ -51,10 +51,9 @@ typedef enum {
 
 /* What a saved state holds beside the variables and the model's State. */
 typedef struct {
-    double time, start_time, stop_time;
+    double time, start_time;
     double step; /* the length of every step so far where the model wants one length; else 0 */
-    uint32_t phase;
-    uint32_t stop_time_defined;
+    uint32_t phase, unused; /* no padding, which would have no value */
 } Clock;
 
 typedef struct Instance Instance;
@@ -63,6 +62,8 @@ typedef void Emit(Instance *i, Status status, const char *category, const char *
 struct Instance {
     Report report;
     Clock clock;
+    double stop_time; /* this run's own: a state that is restored does not bring another */
+    bool stop_time_defined;
     bool is_fmi3, has_arrays;
     bool logs_information, is_outdated; /* is_outdated: outputs do not belong to state and inputs */
     Emit *emit;
@@ -74,9 +75,10 @@ struct Instance {
     char name[128];
 };
 
-/* The state with the work room behind it, and how large both are. */
+/* The state with the work room behind it, how large both are, and both set to zero. */
 void instance_clear_work(Instance *i);
 size_t instance_state_room(void);
+void instance_clear_state(Instance *i);
 
 Instance *instance_new(const char *name, Emit *emit, void (*logger)(void), void *environment,
                        bool logs_information);

@@ -22,6 +22,12 @@ typedef struct Report Report;
 
 extern const size_t model_state_size; /* sizeof(State) */
 
+/* How many bytes of *s are in use, from its beginning: a table at its end counts with the rows that
+   it holds, and more than model_state_size says that *s is damaged. Models whose State has no such
+   table (Model.state_ends_in_table) get one that returns model_state_size. What is behind is never
+   read, and no part of a saved state. */
+size_t model_state_used(const State *s);
+
 /* Leaving initialisation mode: validate the parameters and set up *s, which is all zeros. Returns
    NULL, or a sentence that says what is wrong and what to do. May write calculatedParameters.
    In initialisation mode it is also called on a scratch state whenever outputs are asked for. */

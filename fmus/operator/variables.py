@@ -74,6 +74,7 @@ MODEL = Model(
     name="operator",
     description="Emulated user: force, and a hand impedance along a planar trajectory",
     sources=("model.c", "waveform.c"),
+    state_ends_in_table=True,
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
         _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),

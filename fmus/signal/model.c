@@ -12,6 +12,13 @@ struct State {
 
 const size_t model_state_size = sizeof(State);
 
+size_t model_state_used(const State *s)
+{
+    if (s->count > CAPACITY)
+        return SIZE_MAX;
+    return offsetof(State, rows) + s->count * COLUMNS * sizeof s->rows[0];
+}
+
 const char *model_initialise(Variables *v, State *s, Report *r)
 {
     s->time = report_start_time(r);

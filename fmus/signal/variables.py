@@ -28,6 +28,7 @@ MODEL = Model(
     name="signal",
     description="A signal over time: constant, step, sine, minimum jerk, table",
     sources=("model.c", "waveform.c"),
+    state_ends_in_table=True,
     variables=(
         Variable(name="value", description="The signal", causality="output", unit=""),
         Variable(name="rate", description="Its time derivative", causality="output", unit=""),

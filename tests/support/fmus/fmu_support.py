@@ -120,8 +120,9 @@ class Fmu:
         sizes = [ctypes.c_size_t(count)] if not self.fmi2 else []
         self.call(f"Set{kind}", ctypes.byref(reference), ctypes.c_size_t(1), values, *sizes)
 
-    def enter(self, start: float = 0.0) -> None:
-        arguments = (False, ctypes.c_double(0), ctypes.c_double(start), False, ctypes.c_double(0))
+    def enter(self, start: float = 0.0, stop_time: float | None = None) -> None:
+        stop = (stop_time is not None, ctypes.c_double(stop_time or 0.0))
+        arguments = (False, ctypes.c_double(0), ctypes.c_double(start), *stop)
         self.time = start
         if self.fmi2:
             self.call("SetupExperiment", *arguments)
@@ -129,8 +130,8 @@ class Fmu:
         else:
             self.call("EnterInitializationMode", *arguments)
 
-    def start(self, start: float = 0.0) -> Fmu:
-        self.enter(start)
+    def start(self, start: float = 0.0, stop_time: float | None = None) -> Fmu:
+        self.enter(start, stop_time)
         self.call("ExitInitializationMode")
         return self
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -171,3 +172,77 @@ def test_cut_off_bytes_are_refused() -> None:
             with pytest.raises(support.Refused):
                 deserialise(fmu, data[:size])
         free(fmu, state)
+
+
+def table(folder: Path, name: str, rows: int, height: float) -> str:
+    """A file of ``rows`` rows a hundredth of a second apart, every value ``height``."""
+    file = folder / name
+    file.write_text("".join(f"{0.01 * k:.2f}, {height}\n" for k in range(rows)))
+    return str(file)
+
+
+def table_signal(fmu: support.Fmu, file: str, stop_time: float = 100.0) -> None:
+    fmu.set("mode", 4)
+    fmu.set("table_file", file)
+    fmu.start(stop_time=stop_time)
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_a_state_has_the_rows_of_its_table_and_no_room_for_more(
+    flavour: str, tmp_path: Path
+) -> None:
+    sizes = []
+    for rows in (1, 101):
+        with support.Fmu("signal", flavour) as fmu:
+            table_signal(fmu, table(tmp_path, "t.csv", rows, 1.0))
+            state = save(fmu)
+            sizes.append(len(serialise(fmu, state)))
+            free(fmu, state)
+    assert sizes[1] - sizes[0] == 100 * 2 * 8
+    assert sizes[0] < 10_000
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_a_state_brings_its_table_along(flavour: str, tmp_path: Path) -> None:
+    """Also into an instance that has read another one, longer or shorter."""
+    with support.Fmu("signal", flavour) as fmu:
+        table_signal(fmu, table(tmp_path, "own.csv", 20, 2.0))
+        state = save(fmu)
+        data = serialise(fmu, state)
+        free(fmu, state)
+        for rows in (3, 50):
+            with support.Fmu("signal", flavour) as other:
+                table_signal(other, table(tmp_path, "other.csv", rows, 5.0))
+                assert other.get("value") == 5.0
+                foreign = deserialise(other, data)
+                restore(other, foreign)
+                assert other.get("value") == 2.0
+                again = save(other)
+                assert serialise(other, again) == data
+                free(other, again)
+                free(other, foreign)
+
+
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+def test_the_stop_time_is_the_instances_own(flavour: str) -> None:
+    """A short run's state goes on in a longer run, and a long run's ends with the shorter."""
+    with support.Fmu("hand", flavour) as short, support.Fmu("hand", flavour) as long:
+        short.start(stop_time=2 * support.STEP)
+        long.start(stop_time=3 * support.STEP)
+        advance(short, [1, 2])
+        with pytest.raises(support.Refused):
+            short.step(support.STEP)
+        with support.Fmu("hand", flavour) as fresh:
+            fresh.start(stop_time=2 * support.STEP)
+            advance(fresh, [1, 2])
+            state = save(fresh)
+            data = serialise(fresh, state)
+            free(fresh, state)
+        foreign = deserialise(long, data)
+        restore(long, foreign)
+        long.time = 2 * support.STEP
+        long.step(support.STEP)
+        with pytest.raises(support.Refused):
+            long.step(support.STEP)
+        assert "stop time" in long.log[-1][2]
+        free(long, foreign)
