@@ -21,10 +21,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.stream.bundle import Bundle, Field
-from cosim.link.stream.peer_link import READS_PER_TICK, PeerLink
+from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.station.admission import CompiledAdmission
 from cosim.testing.impairment import Impairment
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.support import PERIOD, TICK, both_ends
@@ -61,6 +62,7 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
             settings=[LinkSettings()],
             transport=UdpTransport(socket),
             forward=lambda *_: None,
+            judge=CompiledAdmission,
         )
         link.offer(keys, same=False)
         link.use(keys.session)
@@ -80,8 +82,11 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
     return remotes[0], remotes[1]
 
 
-def cost() -> dict[str, float]:
-    """Microseconds of CPU of each kind of tick, system calls included."""
+def cost(*, cold: bool) -> dict[str, float]:
+    """Microseconds of CPU of each kind of tick, system calls included.
+
+    ``cold``: with the caches emptied before each.
+    """
     a, b = ends()
     found: dict[str, list[int]] = {
         "tick that sends": [],
@@ -90,29 +95,36 @@ def cost() -> dict[str, float]:
         "tick with 32 forged": [],
     }
     clock = time.thread_time_ns
+    evict = np.zeros(4 << 20)
+    """32 MiB: what a tick's models and a recorder leave of the caches, at the worst."""
     forged = bytearray(b.link.writers[0].datagram)
-    for number in range(COUNT):
+    for number in range(COUNT if not cold else COUNT // 8):
         tick = number * PERIOD
+        if cold:
+            evict += 1.0
         start = clock()
         a.write(tick)
         sent = clock()
+        if cold:
+            evict += 1.0
+        before = clock()
         b.read(tick + PERIOD)
         received = clock()
         b.read(tick + PERIOD + 1)
         found["tick that sends"].append(sent - start)
-        found["tick with a packet"].append(received - sent)
+        found["tick with a packet"].append(received - before)
         found["tick without"].append(clock() - received)
         b.write(tick)
         a.read(tick + PERIOD)
-        if number % 8 == 0:
+        if number % 8 == 0 and not cold:
             forged[:] = a.link.writers[0].datagram
             forged[-1] ^= 1
-            for _ in range(READS_PER_TICK):
+            for _ in range(32):
                 a.link.transport.send(forged)
             start = clock()
             b.read(tick + PERIOD)
             found["tick with 32 forged"].append(clock() - start)
-    return {part: statistics.median(times) * 1e-3 for part, times in found.items()}
+    return {part: statistics.median(times) * 1e-3 for part, times in found.items() if times}
 
 
 def ages(delay: float, jitter: float) -> tuple[float, float, float]:
@@ -139,8 +151,9 @@ def ages(delay: float, jitter: float) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    for part, micro in cost().items():
-        print(f"{part:20s} {micro:6.1f} us")
+    for cold in (False, True):
+        for part, micro in cost(cold=cold).items():
+            print(f"{part:20s} {micro:6.1f} us {'with cold caches' if cold else ''}")
     print("\n   wire   jitter   age at use   ideal   ratio   (ms; ages are means over ticks)")
     for delay, jitter in ((0.0002, 0.0), (0.0012, 0.0003), (0.005, 0.0005), (0.009, 0.0005)):
         age, wire, ideal = ages(delay, jitter)

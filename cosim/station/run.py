@@ -29,6 +29,7 @@ from cosim.record.writer import Recorder
 from cosim.run import Finished, run_scenario
 from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
+from cosim.station.admission import CompiledAdmission
 from cosim.station.contract import contract_of
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
@@ -285,6 +286,7 @@ def _remote(
         transport=transport,
         forward=process.forward(number),
         hear=process.hear,
+        judge=CompiledAdmission,
     )
     free = any(setting.clock is ClockMode.FREE for setting in peer.settings)
     return RemoteStation(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from enum import IntEnum
+from typing import Protocol
 
 import numpy as np
 
@@ -24,15 +25,34 @@ class Verdict(IntEnum):
     JUMP = 2
 
 
+class Judge(Protocol):
+    """Judges the values of one stream; :class:`Admission` says how."""
+
+    def in_range(self, values: Floats) -> bool:
+        """Whether every value is finite, within its range, and whole where it is an integer."""
+        ...
+
+    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Verdict:
+        """Judge values, and copy them to ``out`` where they fit."""
+        ...
+
+
+EXACT = 2.0**53
+"""An integer that travels is no larger: from there on a float64 does not hold every one."""
+
+
 class Admission:
     """Judges the values of one stream against its ranges and against the values before them."""
 
     def __init__(self, bundle: Bundle) -> None:
         size = bundle.size
-        self._minimum = np.maximum(bundle.spread("minimum"), -LARGEST_VALUE)
-        self._maximum = np.minimum(bundle.spread("maximum"), LARGEST_VALUE)
-        self._step = bundle.spread("speed") * float(bundle.tick)
-        self._whole = np.flatnonzero(bundle.spread("integer"))
+        integer = bundle.spread("integer") != 0.0
+        largest = np.where(integer, EXACT, LARGEST_VALUE)
+        self.minimum: Floats = np.maximum(bundle.spread("minimum"), -largest)
+        self.maximum: Floats = np.minimum(bundle.spread("maximum"), largest)
+        self.step: Floats = bundle.spread("speed") * float(bundle.tick)
+        """Largest change in a base tick."""
+        self.whole = np.flatnonzero(integer)
         self._reference: Floats = np.zeros(size)
         self._scratch: Floats = np.zeros(size)
         # Comparisons write into bytes: to look for a 0 there takes a tenth of NumPy's ``all``.
@@ -43,11 +63,11 @@ class Admission:
     def in_range(self, values: Floats) -> bool:
         """Whether every value is finite, within its range, and whole where it is an integer."""
         # A NaN compares false with everything, so both conditions have to hold.
-        np.greater_equal(values, self._minimum, out=self._above)
-        np.less_equal(values, self._maximum, out=self._below)
+        np.greater_equal(values, self.minimum, out=self._above)
+        np.less_equal(values, self.maximum, out=self._below)
         if self._passed.find(0) >= 0:
             return False
-        whole = values[self._whole]
+        whole = values[self.whole]
         return bool((whole == np.trunc(whole)).all())
 
     def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Verdict:
@@ -60,7 +80,7 @@ class Admission:
         if ticks:
             np.subtract(values, self._reference, out=self._scratch)
             np.abs(self._scratch, out=self._scratch)
-            np.less_equal(self._scratch, self._step * ticks, out=self._below)
+            np.less_equal(self._scratch, self.step * ticks, out=self._below)
             # What was above the minimum in the range check still is.
             if self._passed.find(0) >= 0:
                 return Verdict.JUMP

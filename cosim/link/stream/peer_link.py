@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cosim.link.session.keys import SessionKeys
+from cosim.link.stream.admission import Admission, Judge
 from cosim.link.stream.bundle import Bundle, FieldRole
 from cosim.link.stream.clock import ClockEstimate
 from cosim.link.stream.path import Acknowledgements, RoundTrips
@@ -70,17 +71,20 @@ class PeerLink:
         transport: Transport,
         forward: Callable[[memoryview, int], None],
         hear: Callable[[], None] = lambda: None,
+        judge: Callable[[Bundle], Judge] = Admission,
     ) -> None:
         """``forward`` takes what is not a value and when it came, to pass it on.
 
-        ``hear`` is called when a session is not known yet: its keys may be waiting.
+        ``hear`` is called when a session is not known yet: its keys may be waiting. ``judge`` makes
+        what looks at the values of a stream.
         """
         self.transport = transport
         self.clock = ClockEstimate()
         self.settings = tuple(settings)
         """One for each incoming stream."""
         self.incoming = [
-            _incoming(bundle, setting) for bundle, setting in zip(receives, settings, strict=True)
+            _incoming(bundle, setting, judge(bundle))
+            for bundle, setting in zip(receives, settings, strict=True)
         ]
         self.outgoing = list(sends)
         self.writers = [DataWriter(None, bundle.stream, bundle.size) for bundle in sends]
@@ -433,7 +437,7 @@ class PeerLink:
             self._acks.sent(session, sequence, at[0])
 
 
-def _incoming(bundle: Bundle, setting: LinkSettings) -> Incoming:
+def _incoming(bundle: Bundle, setting: LinkSettings, judge: Judge) -> Incoming:
     weight = PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick)
     delay = setting.delay or 1
     receiver = Receiver(
@@ -446,5 +450,6 @@ def _incoming(bundle: Bundle, setting: LinkSettings) -> Incoming:
             # they can wait.
             early=WAITING_SLOTS // 2 * bundle.period,
         ),
+        judge,
     )
     return Incoming(receiver, weight)

@@ -14,7 +14,7 @@ from enum import IntEnum, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.link.stream.admission import Admission, Verdict
+from cosim.link.stream.admission import Admission, Judge, Verdict
 from cosim.link.stream.bundle import Bundle, Floats
 from cosim.link.wire.packet import (
     HEADER,
@@ -105,7 +105,10 @@ class Receiver:
     Nothing grows with the number of packets: slots, scratch and counters are allocated here.
     """
 
-    def __init__(self, bundle: Bundle, settings: ReceiverSettings) -> None:
+    def __init__(
+        self, bundle: Bundle, settings: ReceiverSettings, judge: Judge | None = None
+    ) -> None:
+        """``judge`` looks at the values; one in NumPy where none is given."""
         size = bundle.size
         self.bundle = bundle
         self.settings = settings
@@ -138,11 +141,11 @@ class Receiver:
         """The latest session under which anything was received, and the highest sequence there."""
         self.held = False
         """Show nothing new: a peer that fades does so on the values that it was given up with."""
-        self._admission = Admission(bundle)
+        self._admission: Judge = judge or Admission(bundle)
         self._reference_tick: int | None = None
         self._reference_order = (0, -1)
         self._stopped_in = 0
-        self._slots: Floats = np.zeros((WAITING_SLOTS, size))
+        self._slots: list[Floats] = list(np.zeros((WAITING_SLOTS, size)))
         self._slot_order = [(0, 0)] * WAITING_SLOTS
         self._slot_tick = [0] * WAITING_SLOTS
         self._slot_due = [0] * WAITING_SLOTS

@@ -170,6 +170,16 @@ typedef struct {
     int64_t messages;
 } Log;
 
+/* What is known of the values of one stream of a link: all arrays have `size` members. */
+typedef struct {
+    int64_t size;
+    const double *minimum;
+    const double *maximum;
+    const double *step;   /* largest change in one base tick */
+    const int64_t *whole; /* not 0 where only integers may be */
+    double *reference;    /* the newest accepted values */
+} Admission;
+
 Outcome get_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome set_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome do_step(Kernel *kernel, Instance *instance);
@@ -180,6 +190,8 @@ bool send_packet(Bundle *bundle, const Cell *cells, int64_t tick);
 EXPORT int64_t kernel_abi(void);
 EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
+EXPORT int64_t link_admit(const Admission *admission, const double *values, int64_t ticks,
+                          double *out, int64_t newest);
 EXPORT void kernel_log_fmi2(void *environment, const char *instance, int status,
                             const char *category, const char *message, ...);
 EXPORT void kernel_log_fmi3(void *environment, int status, const char *category,

@@ -177,6 +177,19 @@ class KernelStruct(ctypes.Structure):
     ]
 
 
+class AdmissionStruct(ctypes.Structure):
+    """``Admission``."""
+
+    _fields_ = [
+        ("size", c_int64),
+        ("minimum", c_void_p),
+        ("maximum", c_void_p),
+        ("step", c_void_p),
+        ("whole", c_void_p),
+        ("reference", c_void_p),
+    ]
+
+
 class LogStruct(ctypes.Structure):
     """``Log``."""
 
@@ -209,6 +222,8 @@ def library() -> Any:
     kernel.kernel_run.restype = c_int32
     kernel.kernel_evaluate.argtypes = (c_void_p, c_int64)
     kernel.kernel_evaluate.restype = c_int32
+    kernel.link_admit.argtypes = (c_void_p, c_void_p, c_int64, c_void_p, c_int64)
+    kernel.link_admit.restype = c_int64
     return kernel
 
 

@@ -34,6 +34,7 @@ class Attacker:
     names: list[str]
     recorded: list[tuple[str, str, bytes]] = field(default_factory=list)
     """Handshake messages: source, target, content."""
+    way: int = WAY
 
     def __post_init__(self) -> None:
         draw = self.draw = random.Random(self.seed)
@@ -58,7 +59,7 @@ class Attacker:
     def treat(self, source: str, target: str, datagram: bytes, now: int) -> list[tuple[int, bytes]]:
         draw = self.draw
         if now >= CALM:
-            return [(now + WAY, datagram)]
+            return [(now + self.way, datagram)]
         if any(span.covers(source, now) for span in self.blackholes):
             return []
         is_value = datagram[3] == Kind.DATA
@@ -66,7 +67,7 @@ class Attacker:
             self.recorded.append((source, target, datagram))
         if draw.random() < (self.loss if is_value else self.drops):
             return []
-        due = now + WAY + draw.randrange(self.jitter + 1)
+        due = now + self.way + draw.randrange(self.jitter + 1)
         for span in self.bursts:
             if span.covers(source, now):
                 due = max(due, span.end)
