@@ -21,6 +21,7 @@ from hil.device.errors import DeviceGone
 from hil.emulation.side_channel import Control
 from hil.setup.address import Address
 from hil.setup.options import UrlOptions, read_options
+from hil.wire.ownership import OwnedNodes
 from hil.wire.serial_port import (
     PATIENCE,
     QUIET_AFTER_DEATH,
@@ -113,6 +114,8 @@ class CanBus:
     bitrate: float
     budget: float
     pulse: Pulse | None = None
+    reaches_others: bool = False
+    """Whether other processes can be on it."""
     users: dict[object, tuple[int, ...]] = field(default_factory=dict[object, "tuple[int, ...]"])
     """Per device: the data sizes of its frames in one tick."""
     awaited: set[int] = field(default_factory=set[int])
@@ -143,6 +146,14 @@ class CanBus:
         frames = [*self.extra, *(size for used in self.users.values() for size in used), *sizes]
         refuse_overload(self.name, frames, float(rate), self.bitrate)
         self.users[device] = sizes
+
+    def own(self, nodes: Iterable[int]) -> OwnedNodes | None:
+        """Have these nodes to oneself, where others could speak to them.
+
+        Raises:
+            DeviceError: another device has one of them.
+        """
+        return OwnedNodes(self.name, nodes) if self.reaches_others else None
 
     def leave(self, device: object) -> None:
         """One less; the last one closes the bus."""
@@ -301,6 +312,7 @@ def open_bus(address: Address, pulse: Pulse | None = None) -> CanBus:
             bitrate=given.bitrate,
             budget=given.budget,
             pulse=pulse,
+            reaches_others=address.transport != "virtual",
             control=lockstep(address),
         )
         _OPEN[key].count_from_here()

@@ -15,6 +15,7 @@ from hil.device.errors import DeviceError, DeviceGone
 from hil.emulation.side_channel import Control
 from hil.setup.address import Address
 from hil.setup.options import UrlOptions, read_options
+from hil.wire.ownership import own_port
 
 if TYPE_CHECKING:
     from cosim.base.pulse import Pulse
@@ -59,6 +60,12 @@ class SerialPort:
         except (OSError, ValueError) as error:
             raise DeviceGone(f"the port {address.serial_url} cannot be opened: {error}") from error
         self._descriptor = _descriptor(self._port)
+        if self._descriptor is not None:
+            try:
+                own_port(self._descriptor, address.serial_url)
+            except DeviceError:
+                self._port.close()
+                raise
         self._poll = select.poll()
         if self._descriptor is not None:
             self._poll.register(self._descriptor, select.POLLIN)

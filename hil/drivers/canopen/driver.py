@@ -36,6 +36,7 @@ from hil.safety.linkage import Pair
 from hil.setup.address import Address
 from hil.setup.device_file import DeviceFile
 from hil.wire.can_bus import CanBus, open_bus
+from hil.wire.ownership import OwnedNodes
 from hil.wire.serial_port import PATIENCE
 
 SYNC_FRAME = (0,)
@@ -65,6 +66,7 @@ class CanopenDriver(Driver):
     heartbeat = wire.LAST_NODE
     """The node number of our heartbeat, which the nodes with outputs watch."""
     _bus: CanBus | None = None
+    _owned: OwnedNodes | None = None
     _watchdog_ms = WATCHDOG_MS
     _proved = False
 
@@ -131,9 +133,10 @@ class CanopenDriver(Driver):
         bus = open_bus(self.address, self.pulse)
         try:
             self._check_bus(bus)
+            self._owned = bus.own(self._layout.nodes)
             bus.extra = SYNC_FRAME
             bus.join(self, self._layout.frames, 1 / self.tick)
-        except InputError:
+        except (InputError, DeviceError):
             bus.leave(self)
             raise
         self._bus = bus
@@ -314,6 +317,9 @@ class CanopenDriver(Driver):
         self._begin()
 
     def close(self) -> None:
+        if self._owned is not None:
+            self._owned.close()
+            self._owned = None
         bus, self._bus = self._bus, None
         if bus is None:
             return

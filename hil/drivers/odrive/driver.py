@@ -29,12 +29,12 @@ from hil.setup.device_file import DeviceFile
 from hil.setup.options import IntegersIn, read_options
 from hil.setup.settings import DriverSettings
 from hil.wire.can_bus import CanBus, CanOptions, open_bus
+from hil.wire.ownership import OwnedNodes
 
 FRAMES = (8, 4, 8, 4)
 """Data bytes on the bus in a tick: estimates and torque, per axis."""
 WAIT_TICKS = 400
 """Exchanges within which an axis has to answer during set-up."""
-
 
 Endpoint = Annotated[
     int, QuantityIn(unit="1", what="endpoint number", least=0, most=65535, whole=True)
@@ -95,6 +95,7 @@ class OdriveDriver(Driver):
     found_on = "can"
 
     _bus: CanBus | None = None
+    _owned: OwnedNodes | None = None
 
     @classmethod
     def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
@@ -118,6 +119,7 @@ class OdriveDriver(Driver):
         self._expired: set[int] = set()
         self._sequence, self._closed = 0, False
         self._bus = open_bus(self.address, self.pulse)
+        self._owned = self._bus.own(self._nodes)
         self._bus.join(self, FRAMES, 1 / self.tick)
         for node in self._nodes:
             self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
@@ -239,6 +241,9 @@ class OdriveDriver(Driver):
         self._opened().take_over()
 
     def close(self) -> None:
+        if self._owned is not None:
+            self._owned.close()
+            self._owned = None
         if self._bus is not None:
             self._bus.leave(self)
             self._bus = None
