@@ -68,6 +68,23 @@ class Sink(Protocol):
         ...
 
 
+class Forgetful:
+    """Keeps nothing; for a part of a run that is run again."""
+
+    def __init__(self, groups: Sequence[RecordGroup]) -> None:
+        self._columns = [len(group.columns) for group in groups]
+
+    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
+        """Nothing to prepare."""
+
+    def buffer(self, group: int, rows: int) -> Rows:
+        """Room that is given back."""
+        return np.empty((rows, self._columns[group]), dtype=np.int64)
+
+    def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """Nothing is kept."""
+
+
 class MemorySink:
     """Keeps everything in memory; for tests, short runs and analysis."""
 

@@ -99,6 +99,12 @@ class Playback(Component):
                 )
             target[0] = values[row]
 
+    def save(self) -> None:
+        """Nothing: what it shows follows from the tick."""
+
+    def load(self, values: None) -> None:
+        """Nothing to load."""
+
 
 def play(written: Written) -> Playback:
     """The component that a scenario plays back.

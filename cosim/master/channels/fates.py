@@ -9,15 +9,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.counter import stream_key
+from cosim.base.resumable import Resumable
 from cosim.scenario import Direction
 from cosim.scenario.impairments.effect import LOST, NO_COPY, Draw, Effect, PacketBlock
 
 __all__ = ["LOST", "NO_COPY", "Fates", "fates_of"]
+
+_AGAIN = 1 << 16
+"""Packets that are drawn again at a time."""
 
 
 @dataclass(slots=True)
@@ -47,10 +52,46 @@ class Fates:
         """Whether every packet arrives, all with the same delay."""
         return not self.direction.impairments
 
+    def save(self) -> dict[str, Any]:
+        """How many packets were drawn, and what their draws remember, by impairment."""
+        kept = zip(self._effects(), self._draws, strict=False)
+        return {
+            "next": self._next,
+            "draws": {name: draw.save() for (name, _), draw in kept if isinstance(draw, Resumable)},
+        }
+
+    def load(self, values: Any) -> None:
+        """Go on from what ``save`` returned.
+
+        Raises:
+            KeyError, TypeError, ValueError: these are not values of this stream.
+        """
+        drawn, kept = int(values["next"]), values["draws"]
+        self._next = 0
+        if drawn == 0:
+            return
+        forgetful = [
+            name
+            for name, draw in self._begin()
+            if self.direction.impairments[name].remembers and not isinstance(draw, Resumable)
+        ]
+        while forgetful and self._next < drawn:
+            self.take(min(drawn - self._next, _AGAIN))
+        self._next = drawn
+        for (name, _), draw in zip(self._effects(), self._draws, strict=True):
+            if isinstance(draw, Resumable):
+                draw.load(kept[name])
+
+    def _begin(self) -> list[tuple[str, Draw]]:
+        """Every draw at its first packet, with the name of its impairment."""
+        effects = self._effects()
+        self._draws = [effect.draw(self._key(name, effect)) for name, effect in effects]
+        return [(name, draw) for (name, _), draw in zip(effects, self._draws, strict=True)]
+
     def take(self, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The delays (ticks, -1 lost) of the next packets and of their copies (-1 none)."""
         if self._next == 0:
-            self._draws = [effect.draw(self._key(name, effect)) for name, effect in self._effects()]
+            self._begin()
         first, self._next = self._next, self._next + count
         delays = np.full(count, self.direction.delay.ticks, dtype=np.int64)
         packets = PacketBlock(first, delays, np.full(count, NO_COPY, dtype=np.int64))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,12 @@ from cosim.master.kernel.native import BundleStruct
 
 BLOCK = 1024
 """Packets whose fates are drawn at a time; no chunk of ticks may send more."""
+
+_KEPT = (
+    *("sampled", "sequence", "immediate", "fate_first", "fate_count", "in_flight", "next_arrival"),
+    *("sent", "delivered", "lost", "late", "duplicate"),
+)
+"""The members of a bundle that change while it runs; the others follow from the scenario."""
 
 NEVER = int(np.iinfo(np.int64).max)
 
@@ -44,7 +50,8 @@ class Packets:
         self.structs: Any = (BundleStruct * max(len(bundles), 1))()
         self._cells = cells
         self._keep: list[NDArray[Any]] = []
-        self._sampled: list[NDArray[np.int64]] = []
+        self._flight: list[NDArray[np.int64]] = []
+        self._payload: list[NDArray[np.int64]] = []
         self._fates: dict[int, tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
         for number, bundle in enumerate(bundles):
             self._fill(number, bundle, layout)
@@ -70,6 +77,44 @@ class Packets:
                 delay = self._fates[number][0][0] if number in self._fates else struct.delay
                 struct.immediate = int(bundle.can_be_immediate and delay == 0)
 
+    def save(self, number: int) -> tuple[dict[str, Any], dict[str, NDArray[np.int64]]]:
+        """A bundle's counters and what its draws remember; its packets and drawn fates."""
+        struct = self.structs[number]
+        flying = int(struct.in_flight)
+        arrays = {
+            "flight": self._flight[number][:, :flying].copy(),
+            "payload": self._payload[number][:flying].copy(),
+        }
+        if number in self._fates:
+            arrays["fates"] = np.array(self._fates[number])
+        values = {name: int(getattr(struct, name)) for name in _KEPT}
+        return values | {"draws": self.bundles[number].fates.save()}, arrays
+
+    def load(
+        self, number: int, values: Mapping[str, Any], arrays: Mapping[str, NDArray[np.int64]]
+    ) -> None:
+        """Go on from what ``save`` returned.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is not of this bundle.
+        """
+        struct = self.structs[number]
+        kept = {name: int(values[name]) for name in _KEPT}
+        flying = kept["in_flight"]
+        drawn = kept["fate_first"] + kept["fate_count"] - kept["sequence"]
+        if not 0 <= flying <= struct.capacity or (
+            number in self._fates and not 0 <= drawn <= kept["fate_count"] <= 2 * BLOCK
+        ):
+            raise ValueError("there are more packets in flight, or fewer drawn, than there can be")
+        if number in self._fates:
+            for table, saved in zip(self._fates[number], arrays["fates"], strict=True):
+                table[:] = saved
+        self.bundles[number].fates.load(values["draws"])
+        self._flight[number][:, :flying] = arrays["flight"]
+        self._payload[number][:flying] = arrays["payload"]
+        for name, value in kept.items():
+            setattr(struct, name, value)
+
     def counts(self) -> dict[str, PacketCount]:
         """The count of every direction of every channel, by its name."""
         return {
@@ -86,7 +131,7 @@ class Packets:
         }
 
     def _in_flight(self, number: int) -> int:
-        sampled = self._sampled[number][: self.structs[number].in_flight]
+        sampled = self._flight[number][2, : self.structs[number].in_flight]
         return int(np.count_nonzero(sampled >= 0))
 
     def _fill(self, number: int, bundle: Bundle, layout: Layout) -> None:
@@ -95,8 +140,9 @@ class Packets:
         sources = np.array([layout.of(entry.source) for entry in bundle.entries], dtype=np.int32)
         flight = np.zeros((3, capacity), dtype=np.int64)
         payload = np.zeros((capacity, max(width, 1)), dtype=np.int64)
-        self._keep += [sources, flight, payload]
-        self._sampled.append(flight[2])
+        self._keep.append(sources)
+        self._flight.append(flight)
+        self._payload.append(payload)
         base = self._cells.ctypes.data
         self._cells[layout.sequence[number]] = -1
         struct = self.structs[number]

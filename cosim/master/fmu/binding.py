@@ -30,7 +30,13 @@ Texts = ctypes.POINTER(ctypes.c_char_p)
 class Library:
     """An opened shared library with the typed functions of one version of FMI."""
 
-    def __init__(self, path: Path, prototypes: Mapping[str, Prototype]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        prototypes: Mapping[str, Prototype],
+        optional: Mapping[str, Prototype] | None = None,
+    ) -> None:
+        """``optional`` are functions that an FMU need not have."""
         try:
             library = ctypes.CDLL(str(path))
         except OSError as error:
@@ -39,11 +45,11 @@ class Library:
         self._functions: dict[str, Any] = {}
         self._addresses: dict[str, int] = {}
         missing: list[str] = []
-        for name, (result, arguments) in prototypes.items():
+        for name, (result, arguments) in {**prototypes, **(optional or {})}.items():
             try:
                 function = library[name]
             except AttributeError:
-                missing.append(name)
+                missing += [name] if name in prototypes else []
                 continue
             function.restype, function.argtypes = result, arguments
             self._functions[name] = function
@@ -56,6 +62,10 @@ class Library:
     def __getitem__(self, function: str) -> Any:
         """A function by its name in the standard."""
         return self._functions[function]
+
+    def __contains__(self, function: str) -> bool:
+        """Whether there is a function of that name."""
+        return function in self._functions
 
     def address(self, function: str) -> int:
         """Where a function begins, for the kernel."""
@@ -106,6 +116,18 @@ class Binding(Protocol):
 
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
+        ...
+
+    def save_state(self) -> tuple[int, bytes]:
+        """The status, and the whole state as bytes."""
+        ...
+
+    def load_state(self, content: bytes) -> int:
+        """Restore what ``save_state`` returned."""
+        ...
+
+    def missing_state_functions(self) -> list[str]:
+        """What the library lacks to save and to load a state."""
         ...
 
     def asks_to_end(self) -> bool:

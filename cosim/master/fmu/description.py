@@ -51,6 +51,8 @@ class FmuDescription:
     fixed_step: Fraction | None
     """The step (s) that an FMU which cannot vary its step was made for."""
     once_per_process: bool
+    saves_state: bool
+    """Whether it offers its whole state as bytes, and takes it back."""
 
     def interface(self, component: str, *, feedthrough: bool) -> Interface:
         """The FMU as a component of that name."""
@@ -119,6 +121,7 @@ def parse_description(
         log_categories=tuple(c.name for c in description.logCategories),
         fixed_step=_fixed_step(description),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
+        saves_state=interface.canGetAndSetFMUstate and interface.canSerializeFMUstate,
     )
 
 

@@ -20,6 +20,7 @@ from cosim.master.fmu.binding import (
     texts,
     whole_or_real,
 )
+from cosim.master.fmu.state import FMI2
 from cosim.master.kernel.native import function_address, library
 
 _CO_SIMULATION = 1
@@ -133,6 +134,18 @@ class Fmi2:
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
         return self._call("fmi2ExitInitializationMode")
+
+    def save_state(self) -> tuple[int, bytes]:
+        """The status, and the whole state as bytes."""
+        return FMI2.save(self._functions, self.handle)
+
+    def load_state(self, content: bytes) -> int:
+        """Restore what ``save_state`` returned."""
+        return FMI2.load(self._functions, self.handle, content)
+
+    def missing_state_functions(self) -> list[str]:
+        """What the library lacks to save and to load a state."""
+        return FMI2.missing(self._functions)
 
     def asks_to_end(self) -> bool:
         """Whether a step was discarded because the model has come to its end (section 4.2.1)."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from cosim.base.component import VariableType
 from cosim.master.fmu.binding import OK, Library, Prototype, References, Texts, texts, whole_or_real
+from cosim.master.fmu.state import FMI3
 from cosim.master.kernel.native import function_address, library
 
 TYPES: dict[VariableType, tuple[str, Any]] = {
@@ -141,6 +142,18 @@ class Fmi3:
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
         return self._call("fmi3ExitInitializationMode")
+
+    def save_state(self) -> tuple[int, bytes]:
+        """The status, and the whole state as bytes."""
+        return FMI3.save(self._functions, self.handle)
+
+    def load_state(self, content: bytes) -> int:
+        """Restore what ``save_state`` returned."""
+        return FMI3.load(self._functions, self.handle, content)
+
+    def missing_state_functions(self) -> list[str]:
+        """What the library lacks to save and to load a state."""
+        return FMI3.missing(self._functions)
 
     def asks_to_end(self) -> bool:
         """FMI 3.0 says so with the step itself."""

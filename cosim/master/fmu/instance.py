@@ -157,6 +157,38 @@ class Fmu:
         self._check("leave initialisation mode", self._bound.exit_initialisation())
         self._initialised = True
 
+    def save_state(self) -> bytes:
+        """The whole state between two steps, where ``saves_state`` says that there is one.
+
+        Raises:
+            RunError: the FMU cannot give it.
+        """
+        status, content = self._state_bound().save_state()
+        self._check_state("save its state", status)
+        return content
+
+    def load_state(self, content: bytes) -> None:
+        """Go on from what ``save_state`` returned; initialisation is over.
+
+        Raises:
+            RunError: the FMU refuses it; what state it has then is not known.
+        """
+        self._check_state("restore its state", self._state_bound().load_state(content))
+
+    def _state_bound(self) -> Binding:
+        missing = self._bound.missing_state_functions()
+        if missing:
+            raise RunError(
+                f"{self.component}: the FMU {self.description.path.name} says that its state can "
+                f"be saved, but its library has no function {' and none '.join(missing)}"
+            )
+        return self._bound
+
+    def _check_state(self, what: str, status: int) -> None:
+        if status not in {OK, WARNING}:
+            word = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else str(status)
+            raise RunError(f"{self.component}: the FMU cannot {what} (status {word}){self._said()}")
+
     def asks_to_end(self) -> bool:
         """After a step that was discarded: whether it was because the model has come to its end.
 

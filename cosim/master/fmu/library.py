@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from cosim.master.fmu import fmi2, fmi3
+from cosim.master.fmu import fmi2, fmi3, state
 from cosim.master.fmu.binding import Library
 
 
@@ -16,4 +16,6 @@ def open_library(path: Path, version: int) -> Library:
     Raises:
         InputError: it cannot be loaded, or lacks a function.
     """
-    return Library(path, fmi2.PROTOTYPES if version == 2 else fmi3.PROTOTYPES)
+    if version == 2:
+        return Library(path, fmi2.PROTOTYPES, state.FMI2.prototypes())
+    return Library(path, fmi3.PROTOTYPES, state.FMI3.prototypes())

@@ -134,6 +134,11 @@ class Program:
         counts = {name: self.instances[number].warnings for name, number in self._numbers.items()}
         return {name: count for name, count in counts.items() if count}
 
+    def set_warnings(self, counts: Mapping[str, int]) -> None:
+        """Count on from the warnings of an earlier part of the run, by component."""
+        for name, number in self._numbers.items():
+            self.instances[number].warnings = int(counts.get(name, 0))
+
     def _write_programs(self, plan: Plan) -> None:
         periods = [action.period for action in plan.every] or [1]
         hyperperiod = self.clock.hyperperiod(periods)

@@ -11,8 +11,9 @@ from types import TracebackType
 from typing import Protocol
 
 from cosim.base.component import Component
+from cosim.base.errors import InputError, RunError
 from cosim.base.garbage import without_collecting
-from cosim.base.recording import RecordGroup, Rows, Sink
+from cosim.base.recording import Forgetful, RecordGroup, Rows, Sink
 from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.assembly.interface import has_cells
 from cosim.master.assembly.parameters import element_start
@@ -24,9 +25,11 @@ from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.kernel.native import Outcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
+from cosim.master.run import checkpoint
 from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
+from cosim.master.run.snapshot import Snapshot
 from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
@@ -68,6 +71,9 @@ class Drive(Protocol):
 
 Told = Callable[[str, str], None]
 """Told a component's name, and what is about to be done with it."""
+Pause = Callable[[], None]
+"""Called between two ticks."""
+
 Progress = Callable[[int, float], None]
 """Told the ticks done and the loop's wall time (s), a few times a second."""
 
@@ -104,6 +110,10 @@ class Simulation:
         self._failed: set[str] = set()
         self._wall_time = 0.0
         self._rows: dict[int, Rows] = {}
+        self._restored: Snapshot | None = None
+        self._is_running = False
+        self._end = 0
+        self._pauses: dict[int, Pause] = {}
 
     @property
     def scenario(self) -> Scenario:
@@ -141,12 +151,14 @@ class Simulation:
         progress: Progress | None = None,
         until: int | None = None,
         drive: Drive | None = None,
+        pauses: Mapping[int, Pause] | None = None,
     ) -> Outcome:
-        """Run to tick ``until`` (the scenario's end unless given).
+        """Run to tick ``until`` (the scenario's end unless given), from ``restore``'s tick or 0.
 
         Ctrl-C ends the run early; what was reached has been handed to ``sink`` in any case.
         ``drive`` runs the program in place of the loop (``cosim.realtime``) and tells nobody how
-        far it is; the numbers are the same.
+        far it is; the numbers are the same. ``pauses`` are called between two ticks, before
+        anything of the tick is done by which they are kept; not with ``drive``.
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -154,6 +166,7 @@ class Simulation:
         """
         end = self.scenario.ticks if until is None else until
         interrupted = False
+        self._pauses = dict(pauses or {})
         try:
             with without_collecting():
                 self._start(end, recorded=sink is not None)
@@ -175,6 +188,65 @@ class Simulation:
             self.close()
         return self.outcome
 
+    def start(self, until: int | None = None) -> None:
+        """Start every component; then ``advance``, ``snapshot`` and ``restore`` as often as wanted.
+
+        For those that record nothing and go on from one state many times. ``until`` is the last
+        tick (the scenario's end unless given).
+
+        Raises:
+            InputError: a component refuses its parameters or cannot be loaded.
+            RunError: it failed.
+        """
+        with without_collecting():
+            self._start(self.scenario.ticks if until is None else until, recorded=False)
+
+    def advance(self, tick: int) -> None:
+        """Run on to a tick, after ``start``.
+
+        Raises:
+            RunError: an FMU returned an error status, put out NaN, or a component failed.
+        """
+        self._repeat(tick, None)
+
+    def snapshot(self) -> Snapshot:
+        """The state between two ticks: after ``start``, or in one of ``run``'s pauses.
+
+        Raises:
+            InputError: a device, or a component without ``save`` and ``load``.
+            RunError: a component failed; or nothing runs.
+        """
+        if not self._is_running:
+            raise RunError("Nothing runs of which a snapshot could be taken.")
+        return checkpoint.take(self.assembly, self.program, self._fmus, self._components)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go on from a snapshot: at once where the run has started, else when it starts.
+
+        An FMU that does not give its state away is run again from tick 0 when the run starts, and
+        all values must then be those of the snapshot.
+
+        Raises:
+            InputError: it is of another plan, of other components, or beyond the run's end.
+            RunError: a component does not take its state back.
+        """
+        checkpoint.check(self.assembly, snapshot)
+        if not self._is_running:
+            self._restored = snapshot
+            return
+        stateless = checkpoint.without_state(self.assembly)
+        if stateless:
+            raise InputError(
+                f"The FMU of {stateless[0]} does not give its state away, so that its run can only "
+                "be repeated from tick 0: restore the snapshot before the run starts."
+            )
+        self._put_back(snapshot)
+
+    @property
+    def repeated(self) -> tuple[str, ...]:
+        """The components for which ``restore`` runs everything again from tick 0."""
+        return checkpoint.without_state(self.assembly)
+
     def rehearse(self, told: Told) -> None:
         """Start every component up to the first tick; nothing outside of this process is touched.
 
@@ -186,6 +258,7 @@ class Simulation:
 
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
+        self._is_running = False
         for component in reversed(self._started):
             with suppress(Exception):  # every component must be reached
                 component.close()
@@ -225,6 +298,39 @@ class Simulation:
             told(name, "leaving initialisation mode")
             with placed_refusal(self.scenario, name):
                 fmu.exit_initialisation()
+        self._is_running, self._end = True, end
+        if self._restored is not None:
+            self._go_on(self._restored, recorded=recorded)
+
+    def _go_on(self, snapshot: Snapshot, *, recorded: bool) -> None:
+        """Be where a snapshot was taken, be it by running again up to there."""
+        if not self.repeated:
+            self._put_back(snapshot)
+            return
+        self._refuse_beyond_end(snapshot)
+        self._repeat(snapshot.tick, Forgetful(self.groups) if recorded else None)
+        if not checkpoint.same_state(snapshot, self.program):
+            raise RunError(
+                f"Run again from tick 0, because the FMU of {self.repeated[0]} does not give its "
+                f"state away, the run has other values at tick {snapshot.tick} than the snapshot: "
+                "one of its components does not compute the same twice."
+            )
+
+    def _put_back(self, snapshot: Snapshot) -> None:
+        self._refuse_beyond_end(snapshot)
+        checkpoint.put_back(snapshot, self.program, self._fmus, self._components)
+
+    def _refuse_beyond_end(self, snapshot: Snapshot) -> None:
+        if snapshot.tick > self._end:
+            raise InputError(
+                f"The snapshot is of tick {snapshot.tick}, but the run ends at tick {self._end}; "
+                "give it a longer duration."
+            )
+
+    def _repeat(self, tick: int, sink: Sink | None) -> None:
+        kernel = self.program.kernel
+        while kernel.tick < tick:
+            self._run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
     def _create_fmus(self, told: Told) -> None:
         for name, participant in self.assembly.participants.items():
@@ -281,6 +387,8 @@ class Simulation:
         wish: Wish,
     ) -> None:
         kernel = self.program.kernel
+        pauses = self._pauses
+        stops = sorted(tick for tick in pauses if kernel.tick <= tick <= end)
         chunk = FIRST_CHUNK
         told = began = time.perf_counter()
         try:
@@ -289,8 +397,10 @@ class Simulation:
                 self._raise_unless_done(stop)
                 return
             while kernel.tick < end and not wish.is_made:
+                if stops and kernel.tick == stops[0]:
+                    pauses[stops.pop(0)]()
                 first = kernel.tick
-                stop = min(end, first + chunk)
+                stop = min(end, first + chunk, *stops[:1])
                 before = time.perf_counter()
                 self._run_chunk(first, stop, sink)
                 now = time.perf_counter()
@@ -301,6 +411,8 @@ class Simulation:
                 if progress is not None and (now - told > 0.1 or kernel.tick == end):
                     told = now
                     progress(kernel.tick, now - began)
+            if stops and kernel.tick == stops[0]:
+                pauses[stops.pop(0)]()
         finally:
             self._wall_time = time.perf_counter() - began
 

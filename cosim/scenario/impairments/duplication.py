@@ -22,6 +22,7 @@ class Duplication(Effect):
 
     order: ClassVar[int] = 40
     own_key: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
 
     late: Late
 

@@ -46,7 +46,8 @@ class PacketBlock:
 
 Draw = Callable[[PacketBlock], None]
 """Draws for the next block. Blocks come in order, of any size, and each packet once: what is drawn
-may depend on the key and on a packet's number, not on how packets fall into blocks."""
+may depend on the key and on a packet's number, not on how packets fall into blocks. One that
+remembers more from packet to packet offers ``save`` and ``load`` (``cosim.base.resumable``)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +75,9 @@ class Effect(ABC):
     own_key: ClassVar[bool] = True
     """Whether ``draw`` gets a key of this impairment's own. The five that are built in share the
     key of the direction and number their purposes apart, as records of old have it."""
+    remembers: ClassVar[bool] = True
+    """Whether a packet's draw may depend on earlier packets. Where it may, and the draw offers no
+    ``save`` and ``load``, a run that is restored draws the packets before once more."""
 
     @abstractmethod
     def write(self, period: int) -> Any:

@@ -48,6 +48,7 @@ class Jitter(Effect):
 
     order: ClassVar[int] = 10
     own_key: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
 
     step: int = 1
     weights: tuple[float, ...]

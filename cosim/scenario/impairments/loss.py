@@ -59,6 +59,8 @@ class _Loss(Effect):
 class Bernoulli(_Loss):
     """Each packet is lost with probability ``probability``, independently."""
 
+    remembers: ClassVar[bool] = False
+
     probability: float
 
     @property
@@ -112,26 +114,44 @@ class GilbertElliott(_Loss):
 
     def draw(self, key: int) -> Draw:
         """A packet is lost as the state says; the chain moves after it."""
+        from cosim.base.counter import happens
+
+        return _Chain(self, key, is_bad=bool(happens(key, _STATIONARY, self._bad, 0, 1)[0]))
+
+
+class _Chain:
+    """The draws of a Gilbert–Elliott chain, and the state that it is in."""
+
+    def __init__(self, loss: GilbertElliott, key: int, *, is_bad: bool) -> None:
+        self._loss, self._key, self._is_bad = loss, key, is_bad
+
+    def __call__(self, packets: PacketBlock) -> None:
         import numpy as np
 
         from cosim.base.counter import happens
 
-        bad = bool(happens(key, _STATIONARY, self._bad, 0, 1)[0])
+        loss, key, bad = self._loss, self._key, self._is_bad
+        block = packets.first, packets.count
+        worsens = happens(key, _STATE, loss.good_to_bad, *block).tolist()
+        recovers = happens(key, _STATE, loss.bad_to_good, *block).tolist()
+        states = np.zeros(packets.count, dtype=np.bool_)
+        for i in range(packets.count):
+            states[i] = bad
+            bad = not recovers[i] if bad else worsens[i]
+        self._is_bad = bad
+        when_bad = happens(key, _LOSS, loss.loss_bad, *block)
+        when_good = happens(key, _LOSS, loss.loss_good, *block)
+        packets.lose(np.where(states, when_bad, when_good))
 
-        def lose(packets: PacketBlock) -> None:
-            nonlocal bad
-            block = packets.first, packets.count
-            worsens = happens(key, _STATE, self.good_to_bad, *block).tolist()
-            recovers = happens(key, _STATE, self.bad_to_good, *block).tolist()
-            states = np.zeros(packets.count, dtype=np.bool_)
-            for i in range(packets.count):
-                states[i] = bad
-                bad = not recovers[i] if bad else worsens[i]
-            when_bad = happens(key, _LOSS, self.loss_bad, *block)
-            when_good = happens(key, _LOSS, self.loss_good, *block)
-            packets.lose(np.where(states, when_bad, when_good))
+    def save(self) -> bool:
+        """Whether the chain is in its bad state."""
+        return self._is_bad
 
-        return lose
+    def load(self, values: Any) -> None:
+        """Go on from that state."""
+        if not isinstance(values, bool):
+            raise TypeError("the state of a Gilbert–Elliott chain is true or false")
+        self._is_bad = values
 
 
 def _resolve(written: Any, _: Setting) -> Bernoulli | GilbertElliott | None:

@@ -22,6 +22,7 @@ class Reorder(Effect):
 
     order: ClassVar[int] = 30
     own_key: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
 
     late: Late
 

@@ -26,6 +26,7 @@ class Trace(Effect):
 
     order: ClassVar[int] = 0
     own_key: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
 
     fates: tuple[int, ...]
     """Delays (ticks), ``LOST`` where a packet never arrives; at least one."""
