@@ -14,7 +14,7 @@ import pytest
 import fmus
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError
-from cosim.master.fmu import fmi2, fmi3
+from cosim.master.fmu import fmi2, fmi3, state
 from cosim.master.fmu.binding import Prototype
 from cosim.master.fmu.instance import Fmu, find_binary
 from cosim.master.fmu.library import open_library
@@ -24,7 +24,10 @@ from cosim.master.run.simulation import assemble
 from tests.support.master.master_support import scenario_of
 
 HEADERS = Path(fmus.__file__).parent / "fmi" / "headers"
-PROTOTYPES = {2: fmi2.PROTOTYPES, 3: fmi3.PROTOTYPES}
+PROTOTYPES = {
+    2: fmi2.PROTOTYPES | state.FMI2.prototypes(),
+    3: fmi3.PROTOTYPES | state.FMI3.prototypes(),
+}
 TYPE_FILES = {2: "fmi2TypesPlatform.h", 3: "fmi3PlatformTypes.h"}
 C_TYPES: dict[str, Any] = {
     "double": ctypes.c_double,
