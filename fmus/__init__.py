@@ -17,27 +17,24 @@ def find(name: str, flavour: str = "fmi3") -> Path:
     Raises:
         InputError: there is no such model, or its FMU is missing or older than its sources.
     """
+    check_name(name)
+    path = FOLDER / "_built" / f"{name}.{flavour}.fmu"
+    if not path.is_file():
+        _check_flavour(flavour)
+    if is_checkout():
+        from fmus.fresh import refuse_stale
+
+        refuse_stale(name, path)
+    elif not path.is_file():
+        from cosim.base.errors import InputError
+
+        raise InputError(f"The FMU {path} is missing; reinstall cohaptic.")
+    return path
+
+
+def _check_flavour(flavour: str) -> None:
     from cosim.base.errors import InputError
     from fmus.archive import FLAVOURS
 
     if flavour not in FLAVOURS:
         raise InputError(f"There is no FMU flavour '{flavour}'; use one of {', '.join(FLAVOURS)}.")
-    check_name(name)
-    path = FOLDER / "_built" / f"{name}.{flavour}.fmu"
-    if is_checkout():
-        _refuse_stale(name, path)
-    elif not path.is_file():
-        raise InputError(f"The FMU {path} is missing; reinstall cohaptic.")
-    return path
-
-
-def _refuse_stale(name: str, path: Path) -> None:
-    from cosim.base.errors import InputError
-    from fmus.builder import read_note, source_digest, source_of
-
-    remedy = f"build it with 'uv sync' or 'uv run cohaptic fmu build {name}'."
-    note = read_note(name)
-    if note is None or not path.is_file():
-        raise InputError(f"The FMU of '{name}' has not been built; {remedy}")
-    if note["digest"] != source_digest(source_of(name)):
-        raise InputError(f"The FMU of '{name}' is older than its sources; {remedy}")

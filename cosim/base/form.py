@@ -7,6 +7,7 @@ problem at once, each with its place.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -21,13 +22,14 @@ from cosim.base.problems import Problems, independent
 from cosim.base.quantity import QuantityError, quantity
 from cosim.base.show import describe
 
+_PLUGINS = "PYDANTIC_DISABLE_PLUGINS"
 _TEXT = r"^\s*[+-]?[0-9.]+([eE][+-]?[0-9]+)?(\s*/\s*[0-9]+)?\s*"
 
 
 class Form(BaseModel):
     """What every part of a document has in common: known keys only, no silent conversion."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
     read_before: ClassVar[tuple[str, ...]] = ()
     """Keys that a form may have in a file, but that its reader has dealt with already."""
     unknown_in: ClassVar[str] = ""
@@ -37,6 +39,24 @@ class Form(BaseModel):
 
 
 F = TypeVar("F", bound=BaseModel)
+
+
+def ready(form: type[BaseModel]) -> None:
+    """Build what judges a form, which is put off until there is a document for it.
+
+    Pydantic would look for plugins of its own in every installed package first; a form has none.
+    """
+    if form.__pydantic_complete__:
+        return
+    chosen = os.environ.get(_PLUGINS)
+    os.environ[_PLUGINS] = "__all__"
+    try:
+        form.model_rebuild()
+    finally:
+        if chosen is None:
+            del os.environ[_PLUGINS]
+        else:
+            os.environ[_PLUGINS] = chosen
 
 
 def problem(sentence: str) -> PydanticCustomError:
@@ -77,6 +97,7 @@ def check_form(
     form: type[F], node: Node, problems: Problems, path: Sequence[PathKey] = ()
 ) -> F | None:
     """``node``, which is at ``path`` of the whole document, as a form; ``None`` with problems."""
+    ready(form)
     try:
         return form.model_validate(node.plain())
     except ValidationError as error:

@@ -14,10 +14,10 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from cosim.base.installed import version_of
 from cosim.record.reader import MANIFEST_FILE
 from cosim.scenario import Scenario
 
@@ -99,13 +99,8 @@ def _now() -> str:
 
 
 def _versions() -> dict[str, str]:
-    found: dict[str, str] = {}
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
+    found = {name: version_of(name) for name in PACKAGES}
+    return {name: version for name, version in found.items() if version is not None}
 
 
 def _checkout() -> dict[str, Any] | None:
@@ -114,19 +109,16 @@ def _checkout() -> dict[str, Any] | None:
     if not (root / ".git").exists():
         return None
 
-    def git(*arguments: str) -> str:
-        return subprocess.run(
-            ["git", "-C", str(root), *arguments],
+    command = ["git", "-C", str(root), "status", "--porcelain=v2", "--branch"]
+    try:
+        told = subprocess.run(
+            [*command, "--untracked-files=no"],
             capture_output=True,
             text=True,
             check=True,
             timeout=5,
-        ).stdout.strip()
-
-    try:
-        return {
-            "commit": git("rev-parse", "HEAD"),
-            "changed": bool(git("status", "--porcelain", "--untracked-files=no")),
-        }
+        ).stdout.splitlines()
     except (OSError, subprocess.SubprocessError):
         return None
+    commit = next((line.split()[-1] for line in told if line.startswith("# branch.oid ")), "")
+    return {"commit": commit, "changed": any(not line.startswith("#") for line in told)}

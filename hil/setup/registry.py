@@ -6,9 +6,9 @@ A lab adds a driver of its own by declaring an entry point in its own package.
 from __future__ import annotations
 
 from difflib import get_close_matches
-from importlib.metadata import entry_points
 
 from cosim.base.errors import InputError
+from cosim.base.installed import registered
 from hil.device.driver import Driver
 
 GROUP = "cohaptic.devices"
@@ -16,7 +16,7 @@ GROUP = "cohaptic.devices"
 
 def names() -> list[str]:
     """Every registered driver, sorted."""
-    return sorted({entry.name for entry in entry_points(group=GROUP)})
+    return sorted({entry.name for entry in registered(GROUP)})
 
 
 def find(name: str) -> type[Driver]:
@@ -25,7 +25,7 @@ def find(name: str) -> type[Driver]:
     Raises:
         InputError: there is no driver of that name, or its package is missing something.
     """
-    found = list(entry_points(group=GROUP, name=name))
+    found = [entry for entry in registered(GROUP) if entry.name == name]
     if not found:
         close = get_close_matches(name, names(), 1)
         hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(names())}"

@@ -6,13 +6,13 @@ import importlib
 import sys
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
-from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from cosim.base.component import Causality, Component, Variable
 from cosim.base.errors import CohapticError, InputError, RunError
+from cosim.base.installed import registered
 from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.blame import told
 from cosim.master.assembly.interface import Interface
@@ -31,12 +31,12 @@ def load_class(source: str, folder: Path) -> Component:
     Raises:
         InputError: there is no such module or class, or it is no component.
     """
-    registered = {entry.name: entry for entry in entry_points(group=COMPONENTS)}
+    found = {entry.name: entry for entry in registered(COMPONENTS)}
     module_name, colon, class_name = source.rpartition(":")
-    if source in registered:
-        made: Any = registered[source].load()
+    if source in found:
+        made: Any = found[source].load()
     elif not colon:
-        hint = did_you_mean(source, registered)
+        hint = did_you_mean(source, found)
         raise InputError(f"'{source}' is not written as module:Class.{hint}")
     else:
         made = _find_class(module_name, class_name, folder)
@@ -58,7 +58,7 @@ def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any])
         InputError: there is no driver of that name, or it cannot be loaded.
     """
     name = url.partition("://")[0].partition("+")[0]
-    found = {entry.name: entry for entry in entry_points(group=DEVICES)}
+    found = {entry.name: entry for entry in registered(DEVICES)}
     if name not in found:
         raise InputError(
             f"there is no device driver '{name}' for {url}.{did_you_mean(name, found)}"

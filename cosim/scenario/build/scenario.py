@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from pydantic import ValidationError
 
+from cosim.base.form import ready
 from cosim.base.node import Node, PathKey
 from cosim.base.problems import Problems, independent
 from cosim.base.suggest import did_you_mean
@@ -79,6 +80,7 @@ def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
 
 def _validate(root: Node, problems: Problems, form: type[Document]) -> Context:
     """The document without its bad members, which are reported."""
+    ready(form)
     reported: set[tuple[PathKey, ...]] = set()
     dropped: set[tuple[PathKey, ...]] = set()
     while True:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
 
 from cosim.base.errors import InputError
+from cosim.base.installed import registered
 from cosim.scenario.impairments.impairment import Impairment
 
 GROUP = "cohaptic.impairments"
@@ -27,7 +27,7 @@ def impairments() -> Mapping[str, Impairment]:
         InputError: a package brings one that cannot be used.
     """
     found = {name: _built_in(name) for name in BUILT_IN}
-    for entry in entry_points(group=GROUP):
+    for entry in registered(GROUP):
         package = entry.dist.name if entry.dist is not None else entry.value
         try:
             brought = entry.load()

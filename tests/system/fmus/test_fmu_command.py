@@ -86,10 +86,10 @@ def test_names_are_suggested() -> None:
 
 def test_a_stale_or_missing_fmu_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fmus.find("hand").is_file()
+    monkeypatch.setenv("COHAPTIC_CACHE_DIR", str(tmp_path / "nothing is known to be fresh"))
     monkeypatch.setattr(builder, "source_digest", lambda _: "0" * 64)
     with pytest.raises(InputError, match=r"older than its sources.*uv sync.*cohaptic fmu build"):
         fmus.find("hand")
-    monkeypatch.undo()
     monkeypatch.setattr(builder, "read_note", lambda _: None)
     with pytest.raises(InputError, match=r"has not been built.*uv sync"):
         fmus.find("hand")
