@@ -1,1 +1,1 @@
-"""Who the other station is: keys, handshake, contract, and the meeting before the start."""
+"""Who the other station is: keys, handshake, contract, and how stations agree on a start."""

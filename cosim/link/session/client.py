@@ -44,7 +44,7 @@ FORWARDS_AT_ONCE = 64
 LAST_WORDS = 0.5
 """Longest time (s) to wait for the counts of the process after the loop."""
 PATIENT = 0.05
-"""Longest pause (s) between two looks at what the door says, before the start."""
+"""Longest pause (s) between two looks at what the process says, before the start."""
 
 
 class HandshakeProcess:

@@ -20,8 +20,8 @@ SAMPLE_NS = 8 * TICK_NS
 STALL = 10
 """Samples that a stall keeps back, all released at once."""
 
-# What one packet that is treated so adds to the counters; "kernel", "unknown" and "door" are those
-# outside of the receiver.
+# What one packet that is treated so adds to the counters; "kernel", "unknown" and "passed on" are
+# those outside of the receiver.
 EFFECT: dict[str, dict] = {
     "pass": {Fate.ACCEPTED: 1},
     "lose": {},
@@ -39,7 +39,7 @@ EFFECT: dict[str, dict] = {
     "flip zero": {Fate.FOREIGN: 1},
     "flip stream": {"unknown": 1},
     "another kind": {"unknown": 1},
-    "a handshake's kind": {"door": 1},
+    "a handshake's kind": {"passed on": 1},
     "cut": {Fate.TRUNCATED: 1},
     "cut in the header": {Fate.TRUNCATED: 1},
     "nothing left": {Fate.TRUNCATED: 1},
@@ -163,7 +163,7 @@ def counted(world: UdpWorld, station, transport) -> Counter:
         {
             **{fate: tally[fate] for fate in Fate},
             "unknown": station.link.foreign,
-            "door": len(station.forwarded),
+            "passed on": len(station.forwarded),
             "kernel": transport.dropped_by_kernel,
         }
     )
@@ -219,7 +219,7 @@ def test_delay_loss_copies_and_flipped_bits_drawn_at_random_are_all_found() -> N
         returned = counted(world, world.a, world.transports[0])
     done = forward.injected
     assert min(done.lost, done.duplicated, done.corrupted) > 20
-    bad = {Fate.FORGED, Fate.FOREIGN, Fate.TRUNCATED, "unknown", "door"}
+    bad = {Fate.FORGED, Fate.FOREIGN, Fate.TRUNCATED, "unknown", "passed on"}
     # What was sent at the last sample is still in the proxy, with its copy, whole or corrupted.
     assert 0 <= done.corrupted - sum(received[name] for name in bad) <= 2
     assert 0 <= done.duplicated - received[Fate.DUPLICATE] <= 1

@@ -18,7 +18,7 @@ import pytest
 from cosim.record import open_run
 from tests.support.machine import timed
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="the door needs a socket pair")
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="handshakes need a socket pair")
 
 COMMAND = [sys.executable, "-c", "from cosim.cli import main; main()"]
 
