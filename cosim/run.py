@@ -11,13 +11,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.files import files_of
 from cosim.master.run.simulation import Outcome, Progress, Simulation
+from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge, prepare
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
@@ -42,16 +43,39 @@ class Finished:
     error: CohapticError | None
 
 
+class Watcher(Protocol):
+    """Follows a run from outside of its process."""
+
+    @property
+    def whereabouts(self) -> Whereabouts:
+        """Where the run says what it does."""
+        ...
+
+    def begun(self, folder: Path) -> None:
+        """There is a record, in this folder."""
+        ...
+
+    def finished(self, finished: Finished) -> None:
+        """All is written; the FMUs are not freed yet."""
+        ...
+
+
 class _FolderRecorder(Recorder):
     """Creates the run's folder when the first tick is due: bad input leaves nothing behind."""
 
     def __init__(
-        self, scenario: Scenario, out: Path | None, manifest: dict[str, Any], began: float
+        self,
+        scenario: Scenario,
+        out: Path | None,
+        manifest: dict[str, Any],
+        began: float,
+        watcher: Watcher | None,
     ) -> None:
         super().__init__(Path(RUN_FILE), scenario.ticks)
         self.folder: Path | None = None
         self.start_up_time = 0.0
         self._scenario, self._out, self._manifest, self._began = scenario, out, manifest, began
+        self._watcher = watcher
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         self.folder = new_folder(self._scenario.name, self._out)
@@ -63,6 +87,8 @@ class _FolderRecorder(Recorder):
         except OSError as error:
             raise self.refusal(error) from error
         super().begin(groups, base_rate)
+        if self._watcher is not None:
+            self._watcher.begun(self.folder)
         self.start_up_time = time.perf_counter() - self._began
 
 
@@ -78,6 +104,7 @@ def run_scenario(
     judge: Judge | None = None,
     say: Callable[[str], None] | None = None,
     link: Callable[[], Mapping[str, Any]] | None = None,
+    watcher: Watcher | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
 
@@ -86,6 +113,10 @@ def run_scenario(
     of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
     for those of a real link. ``instances`` holds components that exist already, by name.
     ``judge`` looks at devices before anything begins; ``say`` hears what is probably not meant.
+    ``watcher`` is told how far the run is.
+
+    Everything happens in this process: an FMU that calls ``exit`` ends it, whatever the status; the
+    commands run simulations in a child (``cosim.cli.support.child``).
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -94,7 +125,8 @@ def run_scenario(
     """
     began = time.perf_counter()
     check_folder(out)
-    prepared = prepare(scenario, out, instances=instances, judge=judge)
+    whereabouts = None if watcher is None else watcher.whereabouts
+    prepared = prepare(scenario, out, instances=instances, judge=judge, whereabouts=whereabouts)
     if say is not None:
         for warning in prepared.warnings:
             say(f"warning: {warning}")
@@ -103,36 +135,40 @@ def run_scenario(
         manifest = describe(simulation.scenario, _components(simulation))
         manifest["files"] = _input_files(simulation)
         manifest["notes"] = [*simulation.notes, *prepared.warnings]
-        recorder = _FolderRecorder(simulation.scenario, out, manifest, began)
+        recorder = _FolderRecorder(simulation.scenario, out, manifest, began, watcher)
         error = _run(simulation, recorder, execute or _here, progress)
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")
-    manifest["timing"] = _timing(outcome, recorder, scenario)
-    manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
-    manifest["warnings"] = dict(outcome.warnings)
-    manifest["deadlines"] = None if deadlines is None else dict(deadlines())
-    manifest["link"] = None if link is None else dict(link())
-    conclude(
-        manifest,
-        status=_status(outcome, error),
-        message=_message(outcome, error, scenario),
-        ticks=outcome.ticks,
-    )
-    leave = _Leaver()
-    leave(lambda: write_manifest(folder, manifest))
-    content = _report(folder, manifest, recorder, expectations, leave if figure else None)
-    # Last, so that it is the peak of everything, the figure included.
-    content["peak_memory"] = peak_memory()
-    leave(lambda: write_json(folder / SUMMARY_FILE, content))
-    if leave.error is not None and not content["message"]:
-        content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
-    return Finished(folder, Summary(content), error)
+        manifest["timing"] = _timing(outcome, recorder, scenario)
+        manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
+        manifest["warnings"] = dict(outcome.warnings)
+        manifest["deadlines"] = None if deadlines is None else dict(deadlines())
+        manifest["link"] = None if link is None else dict(link())
+        conclude(
+            manifest,
+            status=_status(outcome, error),
+            message=_message(outcome, error, scenario),
+            ticks=outcome.ticks,
+        )
+        leave = _Leaver()
+        leave(lambda: write_manifest(folder, manifest))
+        content = _report(folder, manifest, recorder, expectations, leave if figure else None)
+        # Last, so that it is the peak of everything, the figure included.
+        content["peak_memory"] = peak_memory()
+        leave(lambda: write_json(folder / SUMMARY_FILE, content))
+        if leave.error is not None and not content["message"]:
+            content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
+        finished = Finished(folder, Summary(content), error)
+        if watcher is not None:
+            watcher.finished(finished)
+    # FMUs are freed here: the record is finished should one of them die of it.
+    return finished
 
 
 def _here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:
     """Run in this very thread."""
-    simulation.run(recorder, progress=progress)
+    simulation.run(recorder, progress=progress, keep_fmus=True)
 
 
 def _run(

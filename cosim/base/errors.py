@@ -46,6 +46,9 @@ class InputErrors(InputError):
         self.message = str(self)
         self.location = None
 
+    def __reduce__(self) -> tuple[type[InputErrors], tuple[list[InputError]]]:
+        return type(self), (self.errors,)
+
 
 class RunError(CohapticError, RuntimeError):
     """A run started and could not go on: an FMU failed, a device faulted. Exit status 1."""

@@ -72,6 +72,7 @@ def command(
     """
     from cosim.analysis import load_tuned
     from cosim.cli.support.check_devices import DeviceJudge
+    from cosim.cli.support.child import run_in_child
     from cosim.cli.support.devices import say
     from cosim.cli.support.forms import FORMS
     from cosim.run import run_scenario
@@ -95,15 +96,20 @@ def command(
         paced.pacer = DeadlinePacer(tick_seconds=tick, policy=pace.on_miss, sleep=clock_nanosleep())
         paced.console = console
     with _progress(loaded) if paced is None else ended(console) as progress:
-        finished = run_scenario(
-            loaded,
-            out,
-            progress=progress,
-            execute=paced,
-            deadlines=None if paced is None else paced.statistics,
-            figure=figure,
-            judge=DeviceJudge(realtime=realtime),
-            say=say,
+        judge = DeviceJudge(realtime=realtime)
+        finished = (
+            run_in_child(loaded, out, progress=progress, figure=figure, judge=judge, say=say)
+            if paced is None
+            else run_scenario(
+                loaded,
+                out,
+                progress=progress,
+                execute=paced,
+                deadlines=paced.statistics,
+                figure=figure,
+                judge=judge,
+                say=say,
+            )
         )
     if as_json:
         import json

@@ -9,6 +9,7 @@ from pathlib import Path
 from cosim.base.component import Component
 from cosim.base.problems import Problems
 from cosim.master.run.simulation import Simulation, assemble
+from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.late_packets import packets_that_come_too_late
 from cosim.preparation.room import room_for_the_record
 from cosim.record.playback import KINDS
@@ -36,12 +37,13 @@ def prepare(
     instances: Mapping[str, Component] | None = None,
     judge: Judge | None = None,
     recorded: bool = True,
+    whereabouts: Whereabouts | None = None,
 ) -> Prepared:
     """Read, check, wire and plan a scenario, and judge all that a run of it would refuse.
 
     Nothing has been started and nothing is opened or written. ``folder`` is where the record would
     go, if it is ``recorded``; ``instances`` holds components that exist already, by
-    name.
+    name, ``whereabouts`` is where the run will say what it does.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
@@ -50,7 +52,7 @@ def prepare(
     _judge_links(scenario, problems)
     assembled: list[Simulation] = []
     with problems.at(("components",)):
-        assembled.append(assemble(scenario, instances, KINDS))
+        assembled.append(assemble(scenario, instances, KINDS, whereabouts))
     if not assembled:  # what else there is to say needs the assembled scenario
         problems.raise_if_any()
     (simulation,) = assembled

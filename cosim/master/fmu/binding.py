@@ -20,6 +20,9 @@ from cosim.master.kernel.native import function_address
 OK, WARNING = 0, 1
 """The statuses with which the standard lets a run go on."""
 
+FATAL = 4
+"""The status after which all instances of a library are lost."""
+
 Prototype = tuple[Any, tuple[Any, ...]]
 """What a function returns (``None``, a status or a pointer), and its arguments."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache
 from pathlib import Path
@@ -72,10 +72,16 @@ PROTOTYPES: dict[str, Prototype] = {
 
 
 class Fmi2:
-    """One instance; ``environment`` is the address of the log that the kernel writes."""
+    """One instance; ``environment`` is the address of the log that the kernel writes.
 
-    def __init__(self, functions: Library, environment: int) -> None:
+    ``calling`` is told the name of each function before it is called.
+    """
+
+    def __init__(
+        self, functions: Library, environment: int, calling: Callable[[str], None]
+    ) -> None:
         self.handle = 0
+        self._calling = calling
         self._functions = functions
         allocate, free = _memory()
         self._callbacks = CallbacksStruct(
@@ -87,6 +93,7 @@ class Fmi2:
 
     def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
         """Make the instance; whether the FMU did."""
+        self._calling("fmi2Instantiate")
         self.handle = (
             self._functions["fmi2Instantiate"](
                 name.encode(),
@@ -167,10 +174,12 @@ class Fmi2:
 
     def free(self) -> None:
         """Give the instance back."""
+        self._calling("fmi2FreeInstance")
         self._functions["fmi2FreeInstance"](self.handle)
         self.handle = 0
 
     def _call(self, function: str, *arguments: Any) -> int:
+        self._calling(function)
         return self._functions[function](self.handle, *arguments)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
@@ -80,15 +80,22 @@ PROTOTYPES: dict[str, Prototype] = {
 
 
 class Fmi3:
-    """One instance; ``environment`` is the address of the log that the kernel writes."""
+    """One instance; ``environment`` is the address of the log that the kernel writes.
 
-    def __init__(self, functions: Library, environment: int) -> None:
+    ``calling`` is told the name of each function before it is called.
+    """
+
+    def __init__(
+        self, functions: Library, environment: int, calling: Callable[[str], None]
+    ) -> None:
         self.handle = 0
+        self._calling = calling
         self._functions = functions
         self._environment = environment
 
     def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
         """Make the instance; whether the FMU did. Event mode and early return are not used."""
+        self._calling("fmi3InstantiateCoSimulation")
         self.handle = (
             self._functions["fmi3InstantiateCoSimulation"](
                 name.encode(),
@@ -173,8 +180,10 @@ class Fmi3:
 
     def free(self) -> None:
         """Give the instance back."""
+        self._calling("fmi3FreeInstance")
         self._functions["fmi3FreeInstance"](self.handle)
         self.handle = 0
 
     def _call(self, function: str, *arguments: Any) -> int:
+        self._calling(function)
         return self._functions[function](self.handle, *arguments)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from cosim.base.component import Causality, VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.master.assembly.clock import Clock
 from cosim.master.fmu.binding import (
+    FATAL,
     OK,
     WARNING,
     Binding,
@@ -31,10 +32,18 @@ STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
 class Fmu:
     """One instance of a co-simulation FMU of FMI 2.0 or 3.0.
 
-    ``close`` is safe at any time and more than once.
+    ``calling`` is told the name of each function before it is called; the kernel says itself what
+    it calls. ``close`` is safe at any time and more than once.
     """
 
-    def __init__(self, component: str, description: FmuDescription, *, substeps: int) -> None:
+    def __init__(
+        self,
+        component: str,
+        description: FmuDescription,
+        *,
+        substeps: int,
+        calling: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.component = component
         self.description = description
         self.version = description.version
@@ -42,7 +51,12 @@ class Fmu:
         self._text = ctypes.create_string_buffer(LOG_BYTES)
         self._log = LogStruct(ctypes.cast(self._text, ctypes.c_char_p), LOG_BYTES, 0, 0)
         self._binding: Binding | None = None
+        self._calling = calling
         self._initialised = False
+        self.library = find_binary(description)
+        """The file that all instances of this FMU share."""
+        self.is_lost = False
+        """Whether a fatal status came back: nothing may be called any more, not even to free it."""
 
     @property
     def instance(self) -> int:
@@ -74,16 +88,16 @@ class Fmu:
             InputError: no library for this platform, or the FMU refuses to be instantiated.
         """
         description = self.description
-        binary = find_binary(description)
         bound = Fmi2 if self.version == 2 else Fmi3
+        self._calling("the loading of its library")
         try:
-            library = open_library(binary, self.version)
+            library = open_library(self.library, self.version)
         except InputError as error:
             raise InputError(
                 f"{self.component}: {description.path.name}: {error.message}"
             ) from None
         categories = _error_categories(description.log_categories)
-        self._binding = bound(library, ctypes.addressof(self._log))
+        self._binding = bound(library, ctypes.addressof(self._log), self._calling)
         if not self._binding.instantiate(
             self.component,
             description.token,
@@ -119,6 +133,7 @@ class Fmu:
                     f"{self.component}: {name} = {_show(elements)} does not fit its type, {kind}"
                 ) from error
             if status not in {OK, WARNING}:
+                self.judge(status)
                 raise InputError(
                     f"{self.component}: the FMU refuses {name} = {_show(elements)}{self._said()}"
                 )
@@ -196,10 +211,18 @@ class Fmu:
         """
         return self._bound.asks_to_end()
 
+    def judge(self, status: int) -> None:
+        """Take note of what a call returned that was not well."""
+        self.is_lost = self.is_lost or status == FATAL
+
     def close(self, *, failed: bool = False) -> None:
-        """Terminate and free. ``failed``: an error status was met, so only freeing is allowed."""
+        """Terminate and free; nothing at all after a fatal status (FMI 2.0.4 section 2.1.3).
+
+        ``failed``: an error status was met, by this instance or fatally by another one of the same
+        library, so only freeing is allowed.
+        """
         binding, self._binding = self._binding, None
-        if binding is None or not binding.handle:
+        if binding is None or not binding.handle or self.is_lost:
             return
         if self._initialised and not failed:
             binding.terminate()  # whatever it returns: closing must reach every component
@@ -215,6 +238,7 @@ class Fmu:
         """A step of the start-up: what an FMU refuses before it has run is what it was given."""
         if status in {OK, WARNING}:
             return
+        self.judge(status)
         word = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else str(status)
         kind = RunError if word == "fatal" else InputError
         raise kind(f"{self.component}: the FMU refused to {what} (status {word}){self._said()}")

@@ -41,6 +41,8 @@ static Outcome execute(Kernel *kernel)
         const Operation *op = &kernel->operations[number];
         Instance *instance;
         Outcome outcome = OUTCOME_DONE;
+        kernel->kind = op->kind;
+        kernel->owner = op->owner;
         switch (op->kind) {
         case KIND_COPY:
             copy(cells, op->table, op->cell_count);

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 1 };
+enum { KERNEL_ABI = 2 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -81,7 +81,7 @@ typedef struct {
 
 typedef struct {
     int32_t kind;
-    int32_t owner; /* instance, bundle, record or call, by kind */
+    int32_t owner; /* instance, bundle, record or component that is called, by kind */
     int32_t type;
     int32_t version; /* FMI major version of the function */
     void *function;
@@ -157,6 +157,8 @@ typedef struct {
     int64_t running;  /* program that is running, -1 between ticks */
     int64_t position; /* next operation of that program */
 
+    int64_t kind; /* of the operation that is running, and whose it is: read after a death */
+    int64_t owner;
     int64_t operation; /* where it stopped, and why */
     int64_t status;
     int64_t cell;

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 1
+ABI = 2
 
 
 class Outcome(IntEnum):
@@ -171,6 +171,8 @@ class KernelStruct(ctypes.Structure):
         ("phase", c_int64),
         ("running", c_int64),
         ("position", c_int64),
+        ("kind", c_int64),
+        ("owner", c_int64),
         ("operation", c_int64),
         ("status", c_int64),
         ("cell", c_int64),

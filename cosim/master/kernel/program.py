@@ -74,7 +74,12 @@ class Program:
     """The kernel's structures; owns all memory that they point to."""
 
     def __init__(
-        self, parts: Mapping[str, Part], wiring: Wiring, layout: Layout, clock: Clock
+        self,
+        parts: Mapping[str, Part],
+        wiring: Wiring,
+        layout: Layout,
+        clock: Clock,
+        kernel: KernelStruct | None = None,
     ) -> None:
         self.parts = parts
         self.wiring = wiring
@@ -82,13 +87,14 @@ class Program:
         self.clock = clock
         self.cells: NDArray[np.int64] = np.zeros(max(layout.count, 1), dtype=np.int64)
         self.packets = Packets(wiring.bundles, layout, self.cells)
-        self.kernel = KernelStruct()
+        self.kernel = KernelStruct() if kernel is None else kernel
         self.actions: list[Action] = []
         """The action behind each operation."""
         self.calls: dict[int, Call] = {}
         """The call-out behind an operation."""
         self._operations: list[OperationStruct] = []
         self._keep: list[Any] = []
+        self._places = {name: place for place, name in enumerate(sorted(parts))}
         self._natives: Mapping[str, Native] = {}
         self._numbers: dict[str, int] = {}
         self._wires: dict[tuple[str, str], list[Wire]] = {}
@@ -196,7 +202,7 @@ class Program:
                 yield OperationStruct(kind=Kind.STEP, owner=self._numbers[unit])
         elif self.parts[unit].overrides(_CALLS[action.act]):
             self.calls[len(self._operations)] = Call(unit, _CALLS[action.act])
-            yield OperationStruct(kind=Kind.CALL)
+            yield OperationStruct(kind=Kind.CALL, owner=self._places[unit])
 
     def _bundle_operations(self, action: Action, number: int) -> Iterable[OperationStruct]:
         if action.act is Act.DELIVER:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -18,8 +18,10 @@ class Wish:
 
 
 @contextmanager
-def wish_to_stop() -> Generator[Wish]:
+def wish_to_stop(heard: Callable[[], None] = lambda: None) -> Generator[Wish]:
     """Turn the first Ctrl-C into a wish; a second one raises ``KeyboardInterrupt`` at once.
+
+    ``heard`` is told of each.
 
     Outside of the main thread, where Python hears no signals, the wish is never made.
     """
@@ -29,6 +31,7 @@ def wish_to_stop() -> Generator[Wish]:
         return
 
     def hear(_number: int, _frame: FrameType | None) -> None:
+        heard()
         if wish.is_made:
             raise KeyboardInterrupt
         wish.is_made = True

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from types import TracebackType
 from typing import Protocol
 
@@ -30,6 +31,7 @@ from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.master.run.snapshot import Snapshot
+from cosim.master.run.whereabouts import Whereabouts
 from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
@@ -82,25 +84,33 @@ def assemble(
     scenario: Scenario,
     instances: Mapping[str, Component] | None = None,
     kinds: Mapping[Kind, Factory] | None = None,
+    whereabouts: Whereabouts | None = None,
 ) -> Simulation:
     """Read, check, wire and plan a scenario; no native code has run yet.
 
     ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
-    the master does not know, such as playback.
+    the master does not know, such as playback. ``whereabouts`` is where the run says what it does.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
     with without_collecting():
-        return Simulation(put_together(scenario, instances, kinds))
+        return Simulation(put_together(scenario, instances, kinds), whereabouts)
 
 
 class Simulation:
     """One run of a scenario; a context manager that closes every component on every exit path."""
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: Assembly, whereabouts: Whereabouts | None = None) -> None:
         self.assembly = assembly
-        self.program = Program(assembly.parts, assembly.wiring, assembly.layout, assembly.clock)
+        self._whereabouts = whereabouts or Whereabouts()
+        self.program = Program(
+            assembly.parts,
+            assembly.wiring,
+            assembly.layout,
+            assembly.clock,
+            self._whereabouts.kernel,
+        )
         self.outcome = Outcome(ticks=0, wall_time=0.0, interrupted=False)
         """What was reached, also after an error."""
         self._fmus: dict[str, Fmu] = {}
@@ -152,6 +162,7 @@ class Simulation:
         until: int | None = None,
         drive: Drive | None = None,
         pauses: Mapping[int, Pause] | None = None,
+        keep_fmus: bool = False,
     ) -> Outcome:
         """Run to tick ``until`` (the scenario's end unless given), from ``restore``'s tick or 0.
 
@@ -159,6 +170,8 @@ class Simulation:
         ``drive`` runs the program in place of the loop (``cosim.realtime``) and tells nobody how
         far it is; the numbers are the same. ``pauses`` are called between two ticks, before
         anything of the tick is done by which they are kept; not with ``drive``.
+        Every component is closed at the end; with ``keep_fmus`` the FMUs only by ``close``, so
+        that one which dies of it finds the record finished.
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -172,7 +185,7 @@ class Simulation:
                 self._start(end, recorded=sink is not None)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
-            with wish_to_stop() as wish:
+            with wish_to_stop(self._whereabouts.hear) as wish:
                 self._loop(end, sink, progress, drive, wish)
             interrupted = wish.is_made and self.program.kernel.tick < end
         except KeyboardInterrupt:
@@ -185,7 +198,9 @@ class Simulation:
                 channels=self.program.packets.counts(),
                 warnings=self.program.warnings(),
             )
-            self.close()
+            self._close_components()
+            if not keep_fmus:
+                self.close()
         return self.outcome
 
     def start(self, until: int | None = None) -> None:
@@ -258,13 +273,18 @@ class Simulation:
 
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
+        self._close_components()
+        lost = {fmu.library for fmu in self._fmus.values() if fmu.is_lost}
+        for name, fmu in self._fmus.items():
+            fmu.close(failed=name in self._failed or fmu.library in lost)
+        self._whereabouts.clear()
+
+    def _close_components(self) -> None:
         self._is_running = False
         for component in reversed(self._started):
             with suppress(Exception):  # every component must be reached
                 component.close()
         self._started.clear()
-        for name, fmu in self._fmus.items():
-            fmu.close(failed=name in self._failed)
 
     def __enter__(self) -> Simulation:
         return self
@@ -291,6 +311,7 @@ class Simulation:
             with placed_refusal(self.scenario, name):
                 fmu.enter_initialisation(self.assembly.clock.seconds(last))
         told(*ALL_TOGETHER)
+        self._whereabouts.clear()
         while (stop := self._evaluate(INITIAL)) is Stop.CALL:
             self._serve()
         self._raise_unless_done(stop)
@@ -336,7 +357,12 @@ class Simulation:
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
                 continue
-            fmu = Fmu(name, participant.fmu, substeps=participant.substeps)
+            fmu = Fmu(
+                name,
+                participant.fmu,
+                substeps=participant.substeps,
+                calling=partial(self._whereabouts.note, name),
+            )
             self._fmus[name] = fmu
             told(name, "being instantiated and given its values")
             with placed_refusal(self.scenario, name):
@@ -361,6 +387,7 @@ class Simulation:
                 for causality in ("input", "output")
             }
             told(name, "being initialised")
+            self._whereabouts.note(name, "its initialisation")
             begin = component.rehearse if rehearsal else component.initialise
             with sentences(name, "while it was initialised"):
                 begin(setup_of(self.scenario, participant), views["input"], views["output"])
@@ -389,6 +416,7 @@ class Simulation:
         kernel = self.program.kernel
         pauses = self._pauses
         stops = sorted(tick for tick in pauses if kernel.tick <= tick <= end)
+        self._whereabouts.clear()
         chunk = FIRST_CHUNK
         told = began = time.perf_counter()
         try:
@@ -447,6 +475,8 @@ class Simulation:
         if stop is not Stop.DONE:
             component = str(self.program.stopped_at().unit)
             self._failed.add(component)
+            if stop is Stop.STATUS and component in self._fmus:
+                self._fmus[component].judge(int(self.program.kernel.status))
             with placed_refusal(self.scenario, component):
                 raise explain(stop, self.program, self._fmus)
 

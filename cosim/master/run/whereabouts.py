@@ -1,0 +1,73 @@
+"""What a run is doing, in memory that a parent can still read when the run's process has died."""
+
+from __future__ import annotations
+
+import ctypes
+import mmap
+from typing import Any
+
+from cosim.master.kernel.native import KernelStruct, Kind
+from cosim.scenario import Kind as ComponentKind
+from cosim.scenario import Scenario
+
+_NOTE_BYTES = 1024
+_HEARD = _NOTE_BYTES - 1
+"""The byte that counts interrupts; a note ends before it."""
+_KERNEL_DID = {
+    Kind.SET: "while its inputs were set",
+    Kind.SET_FLOAT64: "while its inputs were set",
+    Kind.GET: "while its outputs were read",
+    Kind.GET_FLOAT64: "while its outputs were read",
+    Kind.STEP: "in its step",
+    Kind.CALL: "in a method of its class",
+}
+
+
+class Whereabouts:
+    """The kernel's own structure and a note of the call outside of the kernel.
+
+    The memory is shared with processes that are forked after it was made.
+    """
+
+    def __init__(self) -> None:
+        self._memory = mmap.mmap(-1, _NOTE_BYTES + ctypes.sizeof(KernelStruct))
+        self.kernel: Any = KernelStruct.from_buffer(self._memory, _NOTE_BYTES)
+
+    def note(self, component: str, call: str) -> None:
+        """A function of a component is about to be called, not by the kernel."""
+        text = f"{component}\n{call}".encode()[: _HEARD - 1]
+        self._memory[: len(text) + 1] = text + b"\0"
+
+    def clear(self) -> None:
+        """No such call is going on: the kernel's structure says what is."""
+        self._memory[0] = 0
+
+    def hear(self) -> None:
+        """Count an interrupt that the run has heard."""
+        self._memory[_HEARD] = (self._memory[_HEARD] + 1) % 256
+
+    @property
+    def heard(self) -> int:
+        """How many interrupts the run has heard (modulo 256)."""
+        return self._memory[_HEARD]
+
+    def sentence(self, scenario: Scenario) -> tuple[str, str]:
+        """Which component was at work, or nobody, and in what: ``in its step at tick 5 (0.005 s)``.
+
+        ``scenario`` is the one that ran; its components give the numbers their names.
+        """
+        tick = int(self.kernel.tick)
+        when = f"at tick {tick} ({float(tick / scenario.base_rate):g} s)"
+        text = bytes(self._memory[:_HEARD]).split(b"\0", 1)[0].decode(errors="replace")
+        if text:
+            component, call = text.split("\n", 1)
+            return component, f"in {call} {when if tick else 'before the first tick'}"
+        names = sorted(scenario.components)
+        if self.kernel.running >= 0 and self.kernel.kind in _KERNEL_DID:
+            if self.kernel.kind != Kind.CALL:
+                kinds = {name: part.kind for name, part in scenario.components.items()}
+                names = [name for name in names if kinds[name] is ComponentKind.FMU]
+            did = _KERNEL_DID[Kind(self.kernel.kind)]
+            when = when if self.kernel.running else "at initialisation"
+            return names[int(self.kernel.owner)], f"{did} {when}"
+        return "", when if tick else "before the first tick"
