@@ -126,8 +126,8 @@ def _to_pattern(value: Any) -> str:
 def _to_value(value: Any) -> Value:
     if isinstance(value, list):
         return tuple(_to_value(item) for item in cast("list[Any]", value))
-    if isinstance(value, float) and math.isnan(value):
-        raise problem("a parameter cannot be 'not a number'.")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise problem(f"a parameter is a finite number; it cannot be {describe(value)}.")
     if not isinstance(value, bool | int | float | str):
         raise problem(
             f"{describe(value)} is no value; write a number, text, true, false or a list."
