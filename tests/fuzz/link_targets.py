@@ -202,7 +202,7 @@ def _met() -> tuple[StartAgreement, StartAgreement]:
 @functools.cache
 def _negotiator() -> SessionNegotiator:
     path = _folder() / "station.key"
-    path.write_bytes(b"cohaptic-key-1 " + b"A" * 42 + b"B=")
+    path.write_bytes(b"cohaptic-key-1 " + b"Q" * 42 + b"A=")
     path.chmod(0o600)
     return SessionNegotiator(
         {
