@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import functools
 import tempfile
 import zlib
@@ -133,7 +132,7 @@ def starts(data: bytes) -> None:
 def processes(data: bytes) -> None:
     """Any datagram at the handshake process: no answer, and no news for the loop."""
     script = Script(data)
-    negotiator = copy.deepcopy(_negotiator())
+    negotiator = _negotiator()
     while script.left:
         datagram = script.take(script.number(1300))
         datagram = datagram.ljust(GREETING_SIZE, b"\1") if script.number(2) else datagram
@@ -199,7 +198,6 @@ def _met() -> tuple[StartAgreement, StartAgreement]:
     return a, b
 
 
-@functools.cache
 def _negotiator() -> SessionNegotiator:
     path = _folder() / "station.key"
     path.write_bytes(b"cohaptic-key-1 " + b"Q" * 42 + b"A=")
