@@ -31,15 +31,14 @@ Texts = ctypes.POINTER(ctypes.c_char_p)
 
 
 class Library:
-    """An opened shared library with the typed functions of one version of FMI."""
+    """An opened shared library with the typed functions of one version of FMI.
+
+    It must have those that every run calls (``needed``); another one is missed when it is called.
+    """
 
     def __init__(
-        self,
-        path: Path,
-        prototypes: Mapping[str, Prototype],
-        optional: Mapping[str, Prototype] | None = None,
+        self, path: Path, prototypes: Mapping[str, Prototype], needed: Iterable[str]
     ) -> None:
-        """``optional`` are functions that an FMU need not have."""
         try:
             library = ctypes.CDLL(str(path))
         except OSError as error:
@@ -47,15 +46,14 @@ class Library:
         self.path = path
         self._functions: dict[str, Any] = {}
         self._addresses: dict[str, int] = {}
-        missing: list[str] = []
-        for name, (result, arguments) in {**prototypes, **(optional or {})}.items():
+        for name, (result, arguments) in prototypes.items():
             try:
                 function = library[name]
             except AttributeError:
-                missing += [name] if name in prototypes else []
                 continue
             function.restype, function.argtypes = result, arguments
             self._functions[name] = function
+        missing = [name for name in needed if name not in self._functions]
         if missing:
             raise InputError(
                 f"the library {path.name} cannot be loaded: it has no function "
@@ -63,7 +61,13 @@ class Library:
             )
 
     def __getitem__(self, function: str) -> Any:
-        """A function by its name in the standard."""
+        """A function by its name in the standard.
+
+        Raises:
+            InputError: the library lacks it.
+        """
+        if function not in self._functions:
+            raise InputError(f"the library {self.path.name} has no function {function}")
         return self._functions[function]
 
     def __contains__(self, function: str) -> bool:
@@ -73,7 +77,7 @@ class Library:
     def address(self, function: str) -> int:
         """Where a function begins, for the kernel."""
         if function not in self._addresses:
-            self._addresses[function] = function_address(self._functions[function])
+            self._addresses[function] = function_address(self[function])
         return self._addresses[function]
 
 

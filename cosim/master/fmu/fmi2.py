@@ -71,6 +71,18 @@ PROTOTYPES: dict[str, Prototype] = {
 }
 
 
+NEEDED = (
+    "fmi2Instantiate",
+    "fmi2SetupExperiment",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2DoStep",
+    "fmi2Terminate",
+    "fmi2FreeInstance",
+)
+"""What every run calls."""
+
+
 class Fmi2:
     """One instance; ``environment`` is the address of the log that the kernel writes.
 
@@ -110,6 +122,8 @@ class Fmi2:
 
     def choose_log_categories(self, categories: Sequence[str]) -> int:
         """Log these categories and no others."""
+        if "fmi2SetDebugLogging" not in self._functions:
+            return OK
         return self._call("fmi2SetDebugLogging", 1, len(categories), texts(categories))
 
     def set_values(self, kind: VariableType, reference: int, values: Sequence[Any]) -> int:
@@ -156,6 +170,8 @@ class Fmi2:
 
     def asks_to_end(self) -> bool:
         """Whether a step was discarded because the model has come to its end (section 4.2.1)."""
+        if "fmi2GetBooleanStatus" not in self._functions:
+            return False
         found = c_int(0)
         status = self._call("fmi2GetBooleanStatus", _TERMINATED, ctypes.byref(found))
         return status == OK and found.value != 0

@@ -79,6 +79,17 @@ PROTOTYPES: dict[str, Prototype] = {
 }
 
 
+NEEDED = (
+    "fmi3InstantiateCoSimulation",
+    "fmi3EnterInitializationMode",
+    "fmi3ExitInitializationMode",
+    "fmi3DoStep",
+    "fmi3Terminate",
+    "fmi3FreeInstance",
+)
+"""What every run calls."""
+
+
 class Fmi3:
     """One instance; ``environment`` is the address of the log that the kernel writes.
 
@@ -117,6 +128,8 @@ class Fmi3:
 
     def choose_log_categories(self, categories: Sequence[str]) -> int:
         """Log these categories and no others."""
+        if "fmi3SetDebugLogging" not in self._functions:
+            return OK
         return self._call("fmi3SetDebugLogging", True, len(categories), texts(categories))
 
     def set_values(self, kind: VariableType, reference: int, values: Sequence[Any]) -> int:

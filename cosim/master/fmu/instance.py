@@ -22,10 +22,9 @@ from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
 from cosim.master.fmu.library import open_library
-from cosim.master.kernel.native import LogStruct
+from cosim.master.fmu.log import Log
 from cosim.scenario.build.timebase import hertz
 
-LOG_BYTES = 8192
 STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
 
 
@@ -48,8 +47,7 @@ class Fmu:
         self.description = description
         self.version = description.version
         self.substeps = substeps
-        self._text = ctypes.create_string_buffer(LOG_BYTES)
-        self._log = LogStruct(ctypes.cast(self._text, ctypes.c_char_p), LOG_BYTES, 0, 0)
+        self._log = Log()
         self._binding: Binding | None = None
         self._calling = calling
         self._initialised = False
@@ -77,9 +75,8 @@ class Fmu:
         return self.description.references[variable]
 
     def messages(self) -> list[str]:
-        """What the FMU logged last, oldest first, each line once."""
-        text = self._text.raw[: self._log.used].decode(errors="replace")
-        return list(dict.fromkeys(line.strip() for line in text.splitlines() if line.strip()))
+        """What the FMU gave as a reason, oldest first, each text once."""
+        return self._log.reasons()
 
     def instantiate(self) -> None:
         """Load the library and create the instance.
@@ -97,7 +94,8 @@ class Fmu:
                 f"{self.component}: {description.path.name}: {error.message}"
             ) from None
         categories = _error_categories(description.log_categories)
-        self._binding = bound(library, ctypes.addressof(self._log), self._calling)
+        self._log.open()
+        self._binding = bound(library, self._log.address, self._calling)
         if not self._binding.instantiate(
             self.component,
             description.token,
@@ -108,8 +106,8 @@ class Fmu:
                 f"{self.component}: the FMU {description.path.name} could not be "
                 f"instantiated{self._said()}"
             )
-        if categories:
-            self._check("choose what is logged", self._binding.choose_log_categories(categories))
+        if categories and self._binding.choose_log_categories(categories) == FATAL:
+            self._check("choose what is logged", FATAL)  # any other refusal leaves it less to say
 
     def set_values(self, values: Mapping[str, list[Any]]) -> None:
         """Set parameters or start values before initialisation; ``configure`` comes first.
@@ -222,11 +220,13 @@ class Fmu:
         library, so only freeing is allowed.
         """
         binding, self._binding = self._binding, None
-        if binding is None or not binding.handle or self.is_lost:
+        if binding is None:
             return
-        if self._initialised and not failed:
-            binding.terminate()  # whatever it returns: closing must reach every component
-        binding.free()
+        if binding.handle and not self.is_lost:
+            if self._initialised and not failed:
+                binding.terminate()  # whatever it returns: closing must reach every component
+            binding.free()
+        self._log.close()
 
     @property
     def _bound(self) -> Binding:

@@ -16,6 +16,5 @@ def open_library(path: Path, version: int) -> Library:
     Raises:
         InputError: it cannot be loaded, or lacks a function.
     """
-    if version == 2:
-        return Library(path, fmi2.PROTOTYPES, state.FMI2.prototypes())
-    return Library(path, fmi3.PROTOTYPES, state.FMI3.prototypes())
+    bound, saving = (fmi2, state.FMI2) if version == 2 else (fmi3, state.FMI3)
+    return Library(path, {**bound.PROTOTYPES, **saving.prototypes()}, bound.NEEDED)

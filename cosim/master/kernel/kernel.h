@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 2 };
+enum { KERNEL_ABI = 3 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -164,12 +164,16 @@ typedef struct {
     int64_t cell;
 } Kernel;
 
-/* What an FMU says through its logger; the newest `capacity` bytes are kept. */
+/* What an FMU says through its logger, a line a message: in `text` what is well, in `grave`, behind
+   the digit of its status, what is not. The newest `capacity` bytes of each are kept. */
 typedef struct {
     char *text;
-    int64_t capacity;
+    char *grave;
+    int64_t capacity; /* of each */
     int64_t used;
+    int64_t grave_used;
     int64_t messages;
+    void *next; /* the next log that is open */
 } Log;
 
 /* What is known of the values of one stream of a link: all arrays have `size` members. */
@@ -194,6 +198,9 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
 EXPORT int64_t link_admit(const Admission *admission, const double *values, int64_t ticks,
                           double *out, int64_t newest);
+EXPORT void kernel_log_open(Log *log);
+EXPORT void kernel_log_close(Log *log);
+EXPORT Log *kernel_log_stray(void);
 EXPORT void kernel_log_fmi2(void *environment, const char *instance, int status,
                             const char *category, const char *message, ...);
 EXPORT void kernel_log_fmi3(void *environment, int status, const char *category,

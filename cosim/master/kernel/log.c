@@ -1,27 +1,67 @@
-/* The logger callbacks: FMI 2.0's is variadic, so it has to be C. */
+/* The logger callbacks: FMI 2.0's is variadic, so it has to be C.
+
+   An FMU may call them at any time, from any thread, with anything for an environment: that pointer
+   is looked up among the logs that are open and never followed. */
 
 #include "kernel.h"
 
 #include <stdarg.h>
 
-static void put(Log *log, char c)
+static Log *first;
+static bool is_locked;
+
+static char stray_text[2048], stray_grave[2048];
+static Log stray = {stray_text, stray_grave, 2048, 0, 0, 0, 0};
+
+/* A message on its way into one of the two texts of a log. */
+typedef struct {
+    char *text;
+    int64_t capacity;
+    int64_t *used;
+} Line;
+
+static void lock(void)
 {
-    if (log->used == log->capacity) {
-        int64_t half = log->capacity / 2;
-        for (int64_t i = half; i < log->capacity; i++)
-            log->text[i - half] = log->text[i];
-        log->used = log->capacity - half;
+    while (__atomic_test_and_set(&is_locked, __ATOMIC_ACQUIRE))
+        ;
+}
+
+static void unlock(void)
+{
+    __atomic_clear(&is_locked, __ATOMIC_RELEASE);
+}
+
+static void put_raw(Line *line, char c)
+{
+    if (*line->used == line->capacity) {
+        int64_t half = line->capacity / 2;
+        for (int64_t i = half; i < line->capacity; i++)
+            line->text[i - half] = line->text[i];
+        *line->used = line->capacity - half;
     }
-    log->text[log->used++] = c;
+    line->text[(*line->used)++] = c;
 }
 
-static void put_text(Log *log, const char *text)
+static void put(Line *line, char c)
 {
-    for (const char *c = text ? text : "(null)"; *c; c++)
-        put(log, *c);
+    put_raw(line, c == '\n' || c == '\r' ? ' ' : c);
 }
 
-static void put_integer(Log *log, uint64_t value, unsigned base, int least_digits)
+/* At most `most` characters; what follows them may not be there. */
+static void put_part(Line *line, const char *text, int64_t most)
+{
+    if (!text)
+        text = "(null)";
+    for (int64_t i = 0; i < most && text[i]; i++)
+        put(line, text[i]);
+}
+
+static void put_text(Line *line, const char *text)
+{
+    put_part(line, text, INT64_MAX);
+}
+
+static void put_integer(Line *log, uint64_t value, unsigned base, int least_digits)
 {
     char digits[64];
     int count = 0;
@@ -35,7 +75,7 @@ static void put_integer(Log *log, uint64_t value, unsigned base, int least_digit
         put(log, digits[--count]);
 }
 
-static void put_signed(Log *log, int64_t value)
+static void put_signed(Line *log, int64_t value)
 {
     if (value < 0)
         put(log, '-');
@@ -43,7 +83,7 @@ static void put_signed(Log *log, int64_t value)
 }
 
 /* Nine significant digits: a message for a person, not a value to read back. */
-static void put_real(Log *log, double value)
+static void put_real(Line *log, double value)
 {
     if (value != value) {
         put_text(log, "nan");
@@ -92,20 +132,32 @@ static bool is_one_of(char c, const char *set)
     return false;
 }
 
-/* printf's conversions; flags, width and precision are read over. */
-static void put_format(Log *log, const char *format, va_list *arguments)
+/* printf's conversions. Flags and width are read over, and so is the precision of all but text, which
+   may end with it. A pointer is followed for %s alone. */
+static void put_format(Line *log, const char *format, va_list *arguments)
 {
     for (const char *c = format; *c; c++) {
         if (*c != '%') {
             put(log, *c);
             continue;
         }
-        for (c++; *c && is_one_of(*c, "-+ #0123456789.*"); c++)
-            if (*c == '*')
+        int64_t most = -1; /* as printf, where a negative precision is none */
+        for (c++; *c && is_one_of(*c, "-+ #0123456789.*"); c++) {
+            if (*c == '.')
+                most = 0;
+            else if (*c == '*' && most == 0)
+                most = va_arg(*arguments, int);
+            else if (*c == '*')
                 (void)va_arg(*arguments, int);
+            else if (most >= 0 && *c >= '0' && *c <= '9')
+                most = most * 10 + (*c - '0');
+        }
+        if (most < 0)
+            most = INT64_MAX;
+        bool is_long_double = false;
         int longs = 0;
         for (; *c && is_one_of(*c, "hlzjtL"); c++)
-            longs += *c == 'l' ? 1 : is_one_of(*c, "zjt") ? 2 : 0;
+            longs += *c == 'l' ? 1 : is_one_of(*c, "zjt") ? 2 : 0, is_long_double |= *c == 'L';
         bool wide = longs > 1 || (longs == 1 && sizeof(long) == 8);
         switch (*c) {
         case 'd':
@@ -113,11 +165,12 @@ static void put_format(Log *log, const char *format, va_list *arguments)
             put_signed(log, wide ? va_arg(*arguments, int64_t) : va_arg(*arguments, int));
             break;
         case 'u':
+        case 'o':
         case 'x':
         case 'X':
             put_integer(log,
                         wide ? va_arg(*arguments, uint64_t) : va_arg(*arguments, unsigned),
-                        *c == 'u' ? 10 : 16, 1);
+                        *c == 'u' ? 10 : *c == 'o' ? 8 : 16, 1);
             break;
         case 'f':
         case 'F':
@@ -125,10 +178,18 @@ static void put_format(Log *log, const char *format, va_list *arguments)
         case 'E':
         case 'g':
         case 'G':
-            put_real(log, va_arg(*arguments, double));
+        case 'a':
+        case 'A':
+            put_real(log, is_long_double ? (double)va_arg(*arguments, long double)
+                                         : va_arg(*arguments, double));
             break;
-        case 's':
-            put_text(log, va_arg(*arguments, const char *));
+        case 's': {
+            const char *text = va_arg(*arguments, const char *);
+            put_part(log, longs ? "(wide text)" : text, longs ? INT64_MAX : most);
+            break;
+        }
+        case 'n': /* would write through the pointer */
+            (void)va_arg(*arguments, void *);
             break;
         case 'c':
             put(log, (char)va_arg(*arguments, int));
@@ -145,32 +206,84 @@ static void put_format(Log *log, const char *format, va_list *arguments)
     }
 }
 
+EXPORT void kernel_log_open(Log *log)
+{
+    lock();
+    if (!first) /* what stray messages of earlier runs there are is nobody's any more */
+        stray.used = stray.grave_used = 0;
+    log->next = first;
+    first = log;
+    unlock();
+}
+
+EXPORT void kernel_log_close(Log *log)
+{
+    lock();
+    Log *before = 0;
+    for (Log *each = first; each; before = each, each = each->next) {
+        if (each != log)
+            continue;
+        if (before)
+            before->next = each->next;
+        else
+            first = each->next;
+        break;
+    }
+    unlock();
+}
+
+/* Where messages go whose environment is of no log that is open. */
+EXPORT Log *kernel_log_stray(void)
+{
+    return &stray;
+}
+
+/* Begins a message; the lock is held until it ends. */
+static Line begin(const void *environment, int status, Log **found)
+{
+    lock();
+    Log *log = first;
+    while (log && log != environment)
+        log = log->next;
+    *found = log = log ? log : &stray;
+    if (status == STATUS_OK)
+        return (Line){log->text, log->capacity, &log->used};
+    Line line = {log->grave, log->capacity, &log->grave_used};
+    put(&line, (char)('0' + (status > 0 && status < 10 ? status : 9)));
+    return line;
+}
+
+static void end(Line *line, Log *log)
+{
+    put_raw(line, '\n');
+    log->messages++;
+    unlock();
+}
+
 EXPORT void kernel_log_fmi2(void *environment, const char *instance, int status,
                             const char *category, const char *message, ...)
 {
-    Log *log = environment;
     (void)instance;
-    (void)status;
     (void)category;
-    if (!log || !message)
+    if (!message)
         return;
+    Log *log;
+    Line line = begin(environment, status, &log);
     va_list arguments;
     va_start(arguments, message);
-    put_format(log, message, &arguments);
+    put_format(&line, message, &arguments);
     va_end(arguments);
-    put(log, '\n');
-    log->messages++;
+    end(&line, log);
 }
 
 EXPORT void kernel_log_fmi3(void *environment, int status, const char *category,
                             const char *message)
 {
-    Log *log = environment;
-    (void)status;
     (void)category;
-    if (!log || !message)
+    if (!message)
         return;
-    put_text(log, message);
-    put(log, '\n');
-    log->messages++;
+    Log *log;
+    Line line = begin(environment, status, &log);
+    put_text(&line, message);
+    end(&line, log);
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import c_char_p, c_double, c_int32, c_int64, c_void_p
+from ctypes import c_double, c_int32, c_int64, c_void_p
 from enum import IntEnum
 from functools import cache
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 2
+ABI = 3
 
 
 class Outcome(IntEnum):
@@ -196,10 +196,13 @@ class LogStruct(ctypes.Structure):
     """``Log``."""
 
     _fields_ = [
-        ("text", c_char_p),
+        ("text", c_void_p),
+        ("grave", c_void_p),
         ("capacity", c_int64),
         ("used", c_int64),
+        ("grave_used", c_int64),
         ("messages", c_int64),
+        ("next", c_void_p),
     ]
 
 
@@ -226,6 +229,9 @@ def library() -> Any:
     kernel.kernel_evaluate.restype = c_int32
     kernel.link_admit.argtypes = (c_void_p, c_void_p, c_int64, c_void_p, c_int64)
     kernel.link_admit.restype = c_int64
+    for function in (kernel.kernel_log_open, kernel.kernel_log_close):
+        function.argtypes, function.restype = (c_void_p,), None
+    kernel.kernel_log_stray.restype = ctypes.POINTER(LogStruct)
     return kernel
 
 
