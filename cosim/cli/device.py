@@ -11,6 +11,7 @@ import click
 
 from cosim.cli.device_emulate import emulate_device
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number, OutputFile, seconds
 
 if TYPE_CHECKING:
     from hil.device.device import Device
@@ -72,7 +73,7 @@ def find_ports(*, as_json: bool) -> None:
 @command.command("check", cls=Command)
 @click.argument("url")
 @_FILE
-@click.option("--seconds", default=5.0, show_default=True, help="How long to look.")
+@click.option("--seconds", type=seconds(), default=5.0, show_default=True, help="How long to look.")
 @click.option(
     "--enable-output",
     is_flag=True,
@@ -158,9 +159,11 @@ def home_device(url: str, file: Path | None, *, yes: bool) -> None:
 
 @command.command("calibrate", cls=Command)
 @click.argument("url")
-@click.argument("output", type=click.Path(path_type=Path))
+@click.argument("output", type=OutputFile())
 @_FILE
-@click.option("--home", nargs=2, type=float, required=True, help="Joint angles of the pose (rad).")
+@click.option(
+    "--home", nargs=2, type=Number(-13, 13), required=True, help="Joint angles of the pose (rad)."
+)
 @click.option("--serial", help="The device's serial number, to refuse another one later.")
 @click.option("--estop", is_flag=True, help="You have a switch that cuts the motors' power.")
 @click.option("--yes", is_flag=True, help="Keep the directions; ask nothing.")

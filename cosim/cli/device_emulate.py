@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFile
 
 if TYPE_CHECKING:
     from contextlib import ExitStack
@@ -24,9 +25,15 @@ if TYPE_CHECKING:
 @click.option("--firmware", is_flag=True, help="cobs: compile and run hil/firmware on its side.")
 @click.option("--lockstep", is_flag=True, help="Advance only as the driver exchanges.")
 @click.option("--link", default="pty", show_default=True, help="pty, slcan or udp_multicast.")
-@click.option("--file", "output", type=click.Path(path_type=Path), help="Write its device file.")
+@click.option("--file", "output", type=OutputFile(), help="Write its device file.")
 @click.option("--fault", help="A fault to have, such as drop, hang, unplug, runaway.")
-@click.option("--after", default=0, show_default=True, help="Ticks until the fault begins.")
+@click.option(
+    "--after",
+    type=click.IntRange(0, 2**31),
+    default=0,
+    show_default=True,
+    help="Ticks until the fault begins.",
+)
 def emulate_device(
     name: str,
     *,

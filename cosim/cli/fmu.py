@@ -10,6 +10,7 @@ import click
 
 from cosim.base.errors import InputError, RunError
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFolder
 
 _FLAVOURS = click.Choice(["fmi2", "fmi3", "fmi3-arrays", "all"])
 
@@ -57,7 +58,7 @@ def inspect_command(*, file: str, as_json: bool) -> None:
 
 
 @command.command("export", cls=Command)
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("folder", type=OutputFolder())
 @click.argument("names", nargs=-1)
 @click.option("--flavour", type=_FLAVOURS, default="all", help="Which archives; all by default.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")

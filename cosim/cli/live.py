@@ -14,6 +14,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number, seconds
 
 if TYPE_CHECKING:
     from cosim.realtime.watcher import Watcher
@@ -28,8 +29,16 @@ COLUMNS = 60
 @click.command("live", cls=Command)
 @click.argument("run", required=False)
 @click.option("--show", "patterns", multiple=True, metavar="PATTERN", help="Signals to draw.")
-@click.option("--window", default=5.0, show_default=True, help="Seconds of them to draw.")
-@click.option("--seconds", type=float, help="How long to watch. [default: until the run ends]")
+@click.option(
+    "--window",
+    type=Number(0.01, 3600),
+    default=5.0,
+    show_default=True,
+    help="Seconds of them to draw.",
+)
+@click.option(
+    "--seconds", type=seconds(zero=True), help="How long to watch. [default: until the run ends]"
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the newest status and stop.")
 def command(
     *,

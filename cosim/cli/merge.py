@@ -9,11 +9,12 @@ from pathlib import Path
 import click
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFolder
 
 
 @click.command("merge", cls=Command)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the result; new or empty.")
+@click.option("--out", type=OutputFolder(), help="Folder for the result; new or empty.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(runs: tuple[Path, ...], out: Path | None, *, as_json: bool) -> None:
     """Align the RUNS of the stations of one session on the session's ticks."""

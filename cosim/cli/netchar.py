@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.base.writing import writing
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import FIGURES, Number, OutputFile, seconds
 
 if TYPE_CHECKING:
     from cosim.link.netchar.probe import Probe
@@ -35,9 +37,21 @@ def command() -> None:
 @command.command("serve", cls=Command)
 @click.option("--listen", default="127.0.0.1:47010", show_default=True, help="host:port to bind.")
 @KEY
-@click.option("--max-rate", default=20_000.0, show_default=True, help="Packets relayed a second.")
-@click.option("--max-duration", default=3600.0, show_default=True, help="Seconds a measurement.")
-@click.option("--for", "seconds", type=float, help="Stop after that many seconds.")
+@click.option(
+    "--max-rate",
+    type=Number(0.1, 1e5),
+    default=20_000.0,
+    show_default=True,
+    help="Packets relayed a second.",
+)
+@click.option(
+    "--max-duration",
+    type=seconds(),
+    default=3600.0,
+    show_default=True,
+    help="Seconds a measurement.",
+)
+@click.option("--for", "seconds", type=seconds(zero=True), help="Stop after that many seconds.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object at the end.")
 def serve_command(
     *,
@@ -94,13 +108,27 @@ def serve_command(
 @command.command("probe", cls=Command)
 @click.argument("server")
 @KEY
-@click.option("--rate", default=128.0, show_default=True, help="Packets a second.")
-@click.option("--duration", default=10.0, show_default=True, help="Seconds; the thesis: 2160.")
+@click.option(
+    "--rate", type=Number(0.1, 1e5), default=128.0, show_default=True, help="Packets a second."
+)
+@click.option(
+    "--duration",
+    type=Number(0, 86_400, min_open=True),
+    default=10.0,
+    show_default=True,
+    help="Seconds; the thesis: 2160.",
+)
 @click.option("--size", default=280, show_default=True, help="Bytes of a packet.")
 @click.option("--search/--no-search", default=False, help="Find the achievable packet rate, too.")
-@click.option("--highest", default=16_384.0, show_default=True, help="Where the search ends.")
-@click.option("--out", type=click.Path(path_type=Path), help="Write the channel preset (YAML).")
-@click.option("--figure", type=click.Path(path_type=Path), help="Write a figure (png, pdf, svg).")
+@click.option(
+    "--highest",
+    type=Number(0.1, 1e5),
+    default=16_384.0,
+    show_default=True,
+    help="Where the search ends.",
+)
+@click.option("--out", type=OutputFile(), help="Write the channel preset (YAML).")
+@click.option("--figure", type=OutputFile(FIGURES), help="Write a figure (png, pdf, svg).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def probe_command(
     *,
@@ -147,12 +175,14 @@ def probe_command(
     if out is not None:
         from cosim.link.netchar.preset import channel_preset
 
-        out.write_text(channel_preset(found, name=str(address)), encoding="utf-8")
+        with writing(out):
+            out.write_text(channel_preset(found, name=str(address)), encoding="utf-8")
         facts["preset"] = str(out)
     if figure is not None:
         from cosim.link.netchar.figure import draw
 
-        draw(measurement, found, figure)
+        with writing(figure):
+            draw(measurement, found, figure)
         facts["figure"] = str(figure)
     if as_json:
         click.echo(json.dumps(facts))

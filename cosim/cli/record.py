@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFolder
 
 RUN = click.argument("run", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -97,9 +98,7 @@ def list_command(run: Path, *, as_json: bool) -> None:
 @click.option(
     "--format", "kind", default="csv", help="csv, mat, mcap, mf4 or parquet. [default: csv]"
 )
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder. [default: export in the run's folder]"
-)
+@click.option("--out", type=OutputFolder(), help="Folder. [default: export in the run's folder]")
 @click.option("--held", is_flag=True, help="One table at the fastest rate, slower signals held.")
 @JSON
 def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_json: bool) -> None:

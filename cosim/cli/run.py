@@ -14,6 +14,7 @@ from cosim.cli.support.command import Command
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
+from cosim.cli.support.values import OutputFolder
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 @click.option("--duration", metavar="TIME", help="Simulated time, instead of the scenario's (s).")
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=OutputFolder(),
     help="Folder for the run; new or empty. [default: runs/<scenario>-<n>]",
 )
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")

@@ -14,6 +14,7 @@ from cosim.cli.support.command import Command
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of
+from cosim.cli.support.values import OutputFolder, seconds
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
@@ -43,7 +44,9 @@ if TYPE_CHECKING:
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay a file over it.")
 @click.option("--set", "sets", multiple=True, metavar="A.B=C", help="Change one value.")
 @click.option("--duration", metavar="TIME", help="Time to run, instead of the scenario's (s).")
-@click.option("--wait", type=float, help="Seconds to wait for the others. [default: for ever]")
+@click.option(
+    "--wait", type=seconds(zero=True), help="Seconds to wait for the others. [default: for ever]"
+)
 @click.option(
     "--realtime/--no-realtime",
     default=True,
@@ -51,7 +54,7 @@ if TYPE_CHECKING:
 )
 @miss_options
 @output_options
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the run; new or empty.")
+@click.option("--out", type=OutputFolder(), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(

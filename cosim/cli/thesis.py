@@ -8,15 +8,18 @@ from pathlib import Path
 import click
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFolder
 
 
 @click.command("thesis", cls=Command)
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=OutputFolder(),
     help="Folder for the page and the runs; new or empty. [default: runs/thesis-<n>]",
 )
-@click.option("--workers", type=click.IntRange(1), help="Runs at a time. [default: processors]")
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), help="Runs at a time. [default: processors]"
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the verdicts as one JSON object.")
 def command(out: Path | None, workers: int | None, *, as_json: bool) -> None:
     """Rerun the experiments of chapters 7 and 8, and what lies past them, onto one page.

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cosim.base.errors import InputError, RunError
+from cosim.base.errors import InputError
+from cosim.base.writing import writing
 from cosim.theory.numerics import Bool
 from cosim.theory.stability.map import Axis
 from cosim.theory.transparency.admittance import Response
@@ -31,10 +32,8 @@ def _save(figure: Any, out: Path) -> None:
     known = figure.canvas.get_supported_filetypes()
     if out.suffix.lstrip(".").lower() not in known:
         raise InputError(f"{out}: name the figure .png, .svg or .pdf.")
-    try:
+    with writing(out):
         figure.savefig(out, dpi=150)
-    except OSError as error:
-        raise RunError(f"The figure cannot be written to {out}: {error.strerror}.") from None
 
 
 def draw_map(

@@ -17,7 +17,7 @@ from typing import Any, Self
 from cosim.base.errors import InputError
 from cosim.base.grants import freeze_garbage, real_time_priority
 from hil.emulation.board import Board
-from hil.emulation.links import CanLink, Link, SlcanLink
+from hil.emulation.links import CanLink, Link, PtyLink, SlcanLink
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
 from hil.emulation.side_channel import Control
@@ -76,6 +76,17 @@ def _maker(name: str) -> str:
     return kind.emulator
 
 
+def on_terminal(order: Order) -> PtyLink:
+    """The link of a board on a serial port: a pseudo-terminal.
+
+    Raises:
+        InputError: another one was asked for.
+    """
+    if order.link != "pty":
+        raise InputError(f"the emulator '{order.name}' has the link pty, not {order.link}")
+    return PtyLink()
+
+
 def on_can(name: str, order: Order, board: Board, owns: Callable[[int], bool]) -> Made:
     """A board on CAN with its link: ``slcan`` on a pty, or a multicast group of its own.
 
@@ -123,6 +134,8 @@ def serve(
 def _child(order: Order, folder: str, pipe: Connection) -> None:
     try:
         serve(order, Path(folder), pipe.send, pipe)
+    except InputError as error:
+        pipe.send({"error": error.message})
     except Exception as error:
         pipe.send({"error": f"{type(error).__name__}: {error}"})
         raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,9 @@ def output_options(command: Command) -> Command:
 
 _OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.option(
-        "--cpu", type=int, help="Processor for the control loop. [default: a little used one]"
+        "--cpu",
+        type=click.IntRange(0, (os.cpu_count() or 1) - 1),
+        help="Processor for the control loop. [default: a little used one]",
     ),
     click.option(
         "--enable-output",

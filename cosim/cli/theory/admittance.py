@@ -11,6 +11,7 @@ import click
 import numpy as np
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.models.parameters import Architecture
 from cosim.theory.transparency.admittance import ARCHITECTURE_OF, Case, Felt, perceived
@@ -28,7 +29,7 @@ def _architecture_felt(values: Mapping[str, Any]) -> Architecture | None:
 @click.option(
     "--frequency",
     "frequencies",
-    type=float,
+    type=Number(0, 1e9, min_open=True),
     multiple=True,
     required=True,
     metavar="RAD/S",

@@ -7,26 +7,30 @@ from pathlib import Path
 import click
 
 from cosim.base.errors import InputError
+from cosim.base.writing import writing
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number, OutputFile
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.network import Network
 from cosim.theory.design import design, overlay
 
 
 @click.command(cls=Command)
-@click.option("--delay", type=float, metavar="S", help="Mean one-way delay, instead of samples.")
-@click.option("--jitter", type=float, metavar="S", help="RMS jitter, one way.")
-@click.option("--loss", type=float, metavar="P", help="Probability of loss, one way.")
+@click.option(
+    "--delay", type=Number(0, 1e3), metavar="S", help="Mean one-way delay, instead of samples."
+)
+@click.option("--jitter", type=Number(0, 1e3), metavar="S", help="RMS jitter, one way.")
+@click.option(
+    "--loss", type=Number(0, 1, max_open=True), metavar="P", help="Probability of loss, one way."
+)
 @click.option(
     "--margin",
-    type=float,
+    type=Number(0, 100),
     default=0.25,
     show_default=True,
     help="Stable with stiffness and damping larger by this fraction.",
 )
-@click.option(
-    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write the overlay here."
-)
+@click.option("--out", type=OutputFile(), help="Write the overlay here.")
 @loop_options(chapter=5)
 def command(
     *,
@@ -70,7 +74,8 @@ def command(
     found = design(loop.parameters, network, timing.control_period, margin)
     written = overlay(loop.parameters, found)
     if out is not None:
-        out.write_text(written, encoding="utf-8")
+        with writing(out):
+            out.write_text(written, encoding="utf-8")
     result = {
         "gains": found.gains,
         "compensation": found.compensation,

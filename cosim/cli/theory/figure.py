@@ -11,6 +11,7 @@ import click
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import FIGURES, OutputFile
 from cosim.theory.chapters import chapter_5, chapter_6
 from cosim.theory.models.timing import Timing
 from cosim.theory.stability.map import stability_maps
@@ -20,7 +21,7 @@ from cosim.theory.stability.map import stability_maps
 @click.argument("number", metavar="NUMBER")
 @click.option(
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutputFile(FIGURES),
     required=True,
     help="The file: .png, .svg or .pdf.",
 )

@@ -10,6 +10,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
@@ -23,10 +24,12 @@ from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_
     show_default=True,
     help="Whether the directions lose packets independently or together.",
 )
-@click.option("--loss", type=float, metavar="P", help="Also the mean-square radius at this loss.")
+@click.option(
+    "--loss", type=Number(0, 1), metavar="P", help="Also the mean-square radius at this loss."
+)
 @click.option(
     "--burst",
-    type=float,
+    type=Number(1, 1e6),
     metavar="PACKETS",
     help="Mean burst length at that loss (Gilbert–Elliott).",
 )

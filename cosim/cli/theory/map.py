@@ -9,6 +9,7 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import FIGURES, OutputFile
 from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
 from cosim.theory.stability.map import Axis, stability_maps
 
@@ -19,9 +20,7 @@ from cosim.theory.stability.map import Axis, stability_maps
 )
 @click.option("--range", "spans", multiple=True, metavar="LOW:HIGH", help="Twice, in that order.")
 @click.option("--points", type=click.IntRange(2, 2001), default=201, show_default=True)
-@click.option(
-    "--out", type=click.Path(dir_okay=False, path_type=Path), help="A figure: .png, .svg or .pdf."
-)
+@click.option("--out", type=OutputFile(FIGURES), help="A figure: .png, .svg or .pdf.")
 @loop_options(chapter=5)
 def command(
     *,

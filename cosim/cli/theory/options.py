@@ -180,7 +180,8 @@ def _loop(
         if overlays:
             raise InputError("--with lays a file over a scenario: give --scenario FILE too.")
         named = cast("Architecture", architecture)
-        count, defaults, base, notes = users or 2, DEFAULTS[chapter][named], Timing(), ()
+        count = 2 if users is None else users
+        defaults, base, notes = DEFAULTS[chapter][named], Timing(), ()
     given = dict(read_setting(text) for text in settings)
     parameters = Parameters(named, given, defaults, count)
     changes: dict[str, Any] = {}

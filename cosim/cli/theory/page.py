@@ -6,13 +6,15 @@ from pathlib import Path
 
 import click
 
+from cosim.base.writing import writing
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import OutputFile
 
 
 @click.command(cls=Command)
 @click.option(
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutputFile(),
     help="Write it here, with its figures.",
 )
 def command(out: Path | None) -> None:
@@ -30,8 +32,9 @@ def command(out: Path | None) -> None:
     from cosim.theory.chapters import chapter_5, chapter_6
 
     folder = out.parent / "images" / "theory"
-    folder.mkdir(parents=True, exist_ok=True)
-    for number in (*chapter_5.FIGURES, *chapter_6.FIGURES):
-        draw(number, folder / f"figure_{number.replace('.', '_')}.png", 201)
-    out.write_text(page, encoding="utf-8")
+    with writing(out):
+        folder.mkdir(parents=True, exist_ok=True)
+        for number in (*chapter_5.FIGURES, *chapter_6.FIGURES):
+            draw(number, folder / f"figure_{number.replace('.', '_')}.png", 201)
+        out.write_text(page, encoding="utf-8")
     click.echo(f"{out} written, figures in {folder}")

@@ -6,13 +6,18 @@ import click
 import numpy as np
 
 from cosim.cli.support.command import Command
+from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 
 
 @click.command(cls=Command)
 @click.option(
-    "--device-damping", type=float, required=True, metavar="B", help="Physical damping, N·s/m."
+    "--device-damping",
+    type=Number(0, 1e6),
+    required=True,
+    metavar="B",
+    help="Physical damping, N·s/m.",
 )
 @loop_options(chapter=5)
 def command(loop: Loop, as_json: bool, device_damping: float) -> None:

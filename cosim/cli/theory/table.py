@@ -15,7 +15,13 @@ from cosim.theory.chapters.chapter_6 import table_6_1, table_6_2
 
 @click.command(cls=Command)
 @click.argument("number", metavar="NUMBER")
-@click.option("--ratio", type=click.IntRange(1), default=8, show_default=True, help="N, for 6.2.")
+@click.option(
+    "--ratio",
+    type=click.IntRange(1, 1000),
+    default=8,
+    show_default=True,
+    help="N, for 6.2.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(number: str, ratio: int, as_json: bool) -> None:
     """Print Table 6.1 (parameters) or 6.2 (damping of the original and simplified models)."""

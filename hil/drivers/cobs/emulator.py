@@ -13,8 +13,7 @@ from hil.device.contract import ZERO
 from hil.drivers.cobs.protocol import COMMAND, REPLY, CommandFlag, ReplyFlag, Splitter, frame
 from hil.emulation.board import Board, Unit
 from hil.emulation.faults import FaultKind
-from hil.emulation.launch import Made, Order
-from hil.emulation.links import PtyLink
+from hil.emulation.launch import Made, Order, on_terminal
 from hil.emulation.world import World
 
 LONGEST_WATCHDOG_MS = 100
@@ -156,6 +155,6 @@ class FirmwareBoard(Board):
 
 def make(order: Order, world: World) -> Made:
     """A board on a pseudo-terminal; with the option ``firmware``, the C reference."""
-    link = PtyLink()
+    link = on_terminal(order)
     kind = FirmwareBoard if "firmware" in order.options else CobsBoard
     return kind(world, tick=order.tick, **order.options), link, f"cobs://{link.path}"

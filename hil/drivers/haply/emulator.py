@@ -7,8 +7,7 @@ from math import degrees, isfinite, pi
 
 from hil.drivers.haply.protocol import IO, PORTS, RESET, SETUP
 from hil.emulation.board import Board, Unit
-from hil.emulation.launch import Made, Order
-from hil.emulation.links import PtyLink
+from hil.emulation.launch import Made, Order, on_terminal
 from hil.emulation.world import World
 from hil.safety.linkage import Pair
 
@@ -103,7 +102,7 @@ class HaplyBoard(Board):
         return struct.pack(f"<B{len(angles)}f", device, *angles)
 
 
-def make(_: Order, world: World) -> Made:
+def make(order: Order, world: World) -> Made:
     """A board on a pseudo-terminal."""
-    link = PtyLink()
+    link = on_terminal(order)
     return HaplyBoard(world), link, f"haply://{link.path}"

@@ -141,7 +141,9 @@ def test_map(tmp_path: Path) -> None:
     assert 0 < found["stable_share"] < 1
     assert out.read_bytes().startswith(b"\x89PNG")
     assert "two different parameters" in refusal(*loop[:5])
-    assert "name the figure" in refusal(*loop, "--out", str(tmp_path / "map.wav"))
+    spoken = CliRunner().invoke(cli, ["theory", *loop, "--out", str(tmp_path / "map.wav")])
+    assert spoken.exit_code == 2
+    assert "has to end in .png, .svg, .pdf" in spoken.stderr
 
 
 @pytest.mark.parametrize("number", ["5.1", "6.5"])
