@@ -19,6 +19,7 @@ from hil.safety.limits import (
     FIRST_COMMAND_SHARE,
     HOLD_TICKS,
     SPEED_WINDOW_TICKS,
+    VIBRATION_WINDOW_TICKS,
     Limits,
 )
 from hil.safety.linkage import Linkage, Pair, Region
@@ -71,8 +72,13 @@ class SafetyLayer:
         self._previous: Pair = ZERO
         self._heat = [0.0, 0.0]
         self._active_ticks = 0
+        self._ramp_ticks = 0
+        """Ticks since force was last nothing but zero: it comes back through the ramp."""
         self.age = 0
         self.tip_speed = 0.0
+        """The chord over the long window (m/s): whether the handle rests."""
+        self.fastest = 0.0
+        """The larger of the chords over the long and the short window (m/s)."""
         self.tip: Pair | None = None
         self.inside = False
 
@@ -86,12 +92,12 @@ class SafetyLayer:
         """Drop the motion seen so far: the angles have a new zero."""
         self._trace.clear()
         self._angle = None
-        self.tip_speed, self.tip, self.inside = 0.0, None, False
+        self.tip_speed, self.fastest, self.tip, self.inside = 0.0, 0.0, None, False
 
     def start(self) -> None:
         """Begin at zero torque; force ramps up from here."""
         self._previous = ZERO
-        self._active_ticks = 0
+        self._active_ticks = self._ramp_ticks = 0
 
     def observe(self, tick: int, angle: Pair, age: int, *, homed: bool = True) -> Trip | None:
         """Take a measurement (rad) that is ``age`` ticks old; age 0 is a new one.
@@ -140,6 +146,7 @@ class SafetyLayer:
         del tick
         first = self._active_ticks == 0
         self._active_ticks += 1
+        self._ramp_ticks = self._ramp_ticks + 1 if self.inside else 0
         if not (isfinite(command[0]) and isfinite(command[1])):
             return self._stop(
                 Cause.COMMAND, Flag.NOT_A_NUMBER, "the torque command is not a number"
@@ -173,14 +180,14 @@ class SafetyLayer:
     def _scale(self) -> tuple[float, Flag]:
         """What both joints' torques are multiplied by, so that the force keeps its direction."""
         scale, flags = 1.0, Flag.NONE
-        ramp = self._active_ticks * self.tick / self.limits.ramp_time
+        ramp = self._ramp_ticks * self.tick / self.limits.ramp_time
         if ramp < 1.0:
             scale, flags = scale * ramp, flags | Flag.RAMPING
         if self.age > HOLD_TICKS:
             scale *= (DROP_TICKS - self.age) / (DROP_TICKS - HOLD_TICKS)
             flags |= Flag.AGED
-        if self.tip_speed > FADE_SHARE * self.limits.tip_speed:
-            over = self.tip_speed / self.limits.tip_speed - FADE_SHARE
+        if self.fastest > FADE_SHARE * self.limits.tip_speed:
+            over = self.fastest / self.limits.tip_speed - FADE_SHARE
             scale *= max(0.0, 1.0 - over / (1.0 - FADE_SHARE))
             flags |= Flag.SPEED_LIMIT
         if not self.inside:
@@ -239,14 +246,20 @@ class SafetyLayer:
         while len(self._trace) > 2 and tick - self._trace[0][0] > SPEED_WINDOW_TICKS:
             self._trace.popleft()
         since, start = self._trace[0]
-        if tick - since < SPEED_WINDOW_TICKS // 2:
-            return None
-        elapsed = (tick - since) * self.tick
-        self.tip_speed = hypot(tip[0] - start[0], tip[1] - start[1]) / elapsed
-        if self.tip_speed < self.limits.tip_speed:
+        if tick - since >= SPEED_WINDOW_TICKS // 2:
+            self.tip_speed = self._chord(tick, tip, since, start)
+        recent = self._trace[max(0, len(self._trace) - 1 - VIBRATION_WINDOW_TICKS)]
+        self.fastest = self.tip_speed
+        if tick - recent[0] >= VIBRATION_WINDOW_TICKS:
+            self.fastest = max(self.fastest, self._chord(tick, tip, *recent))
+        if self.fastest < self.limits.tip_speed:
             return None
         return Trip(
             Cause.SPEED,
-            f"the tip moves at {self.tip_speed:.2f} m/s, the limit is "
+            f"the tip moves at {self.fastest:.2f} m/s, the limit is "
             f"{self.limits.tip_speed:.2f} m/s",
         )
+
+    def _chord(self, tick: int, tip: Pair, since: int, start: Pair) -> float:
+        """Speed (m/s) from one place to another, straight."""
+        return hypot(tip[0] - start[0], tip[1] - start[1]) / ((tick - since) * self.tick)

@@ -20,6 +20,10 @@ FIRST_COMMAND_SHARE = 0.1
 """The first command after activation has to be below this share of the torque limit."""
 SPEED_WINDOW_TICKS = 32
 """Tip speed is the chord over this many ticks: one encoder count is then about 7 mm/s."""
+VIBRATION_WINDOW_TICKS = 8
+"""So is the chord over these few, which sees a vibration up to some 50 Hz as well."""
+LEAST_TICKS = 3
+"""Ticks that 10 ms have to have: at a slower rate nothing could be dropped in time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ import threading
 from typing import TYPE_CHECKING
 
 from hil.device.errors import ActivationRefused
+from hil.safety.limits import LATE_SECONDS, LEAST_TICKS
 
 if TYPE_CHECKING:
     from hil.device.device import Device
@@ -23,7 +24,15 @@ def check_safeguards(device: Device) -> None:
             cuts the power.
     """
     permission = device.permission
-    if device.in_process or permission is None:
+    if permission is None:
+        return
+    if device.tick * LEAST_TICKS > LATE_SECONDS:
+        raise ActivationRefused(
+            f"{device.name} stays without output at {1 / device.tick:.4g} Hz: what fails there "
+            f"could not be dropped within {LATE_SECONDS * 1e3:.0f} ms; control it at "
+            f"{LEAST_TICKS / LATE_SECONDS:.0f} Hz or faster"
+        )
+    if device.in_process:
         return
     emulated = permission.how.startswith("emulator")
     if device.address.transport in NETWORK and not emulated:

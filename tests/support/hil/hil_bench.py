@@ -50,7 +50,7 @@ def mock(
         MockDriver,
         parse("mock://"),
         file or default("mock"),
-        tick=TICK,
+        tick=options.pop("tick", TICK),
         permission=ALLOWED if output else None,
         **options,
     )

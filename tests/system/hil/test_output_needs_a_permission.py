@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from fractions import Fraction
 
 import pytest
 
@@ -98,3 +99,10 @@ def test_another_thread_in_the_process_is_refused():
     finally:
         done.set()
         thread.join()
+
+
+def test_a_rate_at_which_nothing_could_be_dropped_in_time_gets_no_output():
+    slow = mock(Puppet(), tick=Fraction(1, 128))
+    with pytest.raises(ActivationRefused, match="128 Hz"):
+        check_safeguards(slow)
+    check_safeguards(mock(Puppet(), tick=Fraction(1, 512)))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hil.device.contract import Cause, Flag
 from hil.safety.layer import SafetyLayer
 from hil.safety.limits import SPEED_WINDOW_TICKS, Limits
-from hil.safety.linkage import Linkage
+from hil.safety.linkage import Linkage, Region
 from tests.support.hil.hil_bench import QUANSER, REST, REST_ANGLE
 
 T = 1 / 1024
@@ -176,3 +176,42 @@ def test_angles_at_which_the_links_cannot_meet_are_no_measurement():
     trip = fresh.observe(1, (math.nan, 0.0), 0)
     assert trip is not None
     assert trip.cause is Cause.MEASUREMENT
+
+
+@pytest.mark.parametrize("frequency", [10.0, 20.0, 40.0])
+def test_a_tip_that_vibrates_faster_than_the_limit_trips(frequency):
+    """A long chord alone is nearly zero where it is a whole period."""
+    peak = 1.4 * LIMITS.tip_speed
+    amplitude = peak / (2 * math.pi * frequency)
+    safe, trip = ramped(), None
+    for tick in range(SPEED_WINDOW_TICKS + 2, SPEED_WINDOW_TICKS + 400):
+        grown = min(1.0, tick / 200)
+        x = REST[0] + grown * amplitude * math.sin(2 * math.pi * frequency * tick * T)
+        trip = trip or safe.observe(tick, QUANSER.angles((x, REST[1])), 0)
+    assert trip is not None
+    assert trip.cause is Cause.SPEED
+
+
+def test_force_comes_back_into_the_workspace_through_the_ramp():
+    narrow = Region(left=0.02, right=0.06, bottom=0.19, top=0.21)
+    safe = SafetyLayer(LIMITS, QUANSER, tick=T, quantum=1e-4, region=narrow)
+    tick, command, sent = 0, (0.01, 0.0), []
+
+    def at(y: float, ticks: int) -> None:
+        nonlocal tick
+        for _ in range(ticks):
+            assert safe.observe(tick, QUANSER.angles((REST[0], y)), 0) is None
+            sent.append(safe.limit(tick, command).torque[0])
+            tick += 1
+
+    at(REST[1], 40)
+    safe.start()
+    at(REST[1], 2000)
+    assert sent[-1] == command[0]
+    for step in range(60):
+        at(REST[1] + step * 0.0002, 1)
+    assert sent[-1] == 0.0
+    for step in range(60):
+        at(REST[1] + (60 - step) * 0.0002, 1)
+    at(REST[1], 200)
+    assert 0.0 < sent[-1] < 0.3 * command[0], "no step at the border"
