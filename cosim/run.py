@@ -30,6 +30,7 @@ from cosim.scenario import Kind, Scenario
 from cosim.scenario.resolved import to_yaml
 
 FIGURE_FILE = "overview.png"
+LOG_FILE = "fmu.log"
 Execute = Callable[[Simulation, Recorder, Progress | None], None]
 """Runs a simulation to its end into a recorder."""
 
@@ -153,6 +154,8 @@ def run_scenario(
         )
         leave = _Leaver()
         leave(lambda: write_manifest(folder, manifest))
+        if outcome.said:
+            leave(lambda: _write_log(folder / LOG_FILE, outcome))
         content = _report(folder, manifest, recorder, expectations, leave if figure else None)
         # Last, so that it is the peak of everything, the figure included.
         content["peak_memory"] = peak_memory()
@@ -299,4 +302,10 @@ def _message(outcome: Outcome, error: CohapticError | None, scenario: Scenario) 
             f"Interrupted at tick {outcome.ticks} of {scenario.ticks} (t = {reached:g} s); "
             "the record holds everything before."
         )
-    return ""
+    return f"{outcome.ended_by}, where the run ended." if outcome.ended_by else ""
+
+
+def _write_log(path: Path, outcome: Outcome) -> None:
+    """What FMUs logged as a warning or worse, each text once with its count."""
+    lines = [f"{name}: {each}\n" for name, said in outcome.said.items() for each in said]
+    path.write_text("".join(lines), encoding="utf-8")

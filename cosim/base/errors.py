@@ -54,6 +54,10 @@ class RunError(CohapticError, RuntimeError):
     """A run started and could not go on: an FMU failed, a device faulted. Exit status 1."""
 
 
+class EndAsked(RunError):
+    """A model has come to its end and asked for that of the run, which is then well over."""
+
+
 def _file_order(error: InputError) -> tuple[str, int, int]:
     place = error.location
     return (place.file, place.line, place.column) if place is not None else ("", 0, 0)

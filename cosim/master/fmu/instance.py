@@ -22,10 +22,8 @@ from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
 from cosim.master.fmu.library import open_library
-from cosim.master.fmu.log import Log
+from cosim.master.fmu.log import STATUS_NAMES, Log, Said
 from cosim.scenario.build.timebase import hertz
-
-STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
 
 
 class Fmu:
@@ -77,6 +75,10 @@ class Fmu:
     def messages(self) -> list[str]:
         """What the FMU gave as a reason, oldest first, each text once."""
         return self._log.reasons()
+
+    def said(self) -> tuple[Said, ...]:
+        """What the FMU logged as a warning or worse."""
+        return self._log.said()
 
     def instantiate(self) -> None:
         """Load the library and create the instance.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
 from weakref import finalize
 
 from cosim.master.kernel.native import LogStruct, library
@@ -13,6 +14,21 @@ _BYTES = 8192
 _LAST_LINES = 3
 _SERIOUS = 2
 """The least status (discard) that is a reason."""
+
+
+STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A message, with the status that it was logged under, and how often it came."""
+
+    status: str
+    text: str
+    count: int
+
+    def __str__(self) -> str:
+        return f"{self.status}: {self.text}" + (f" ({self.count} times)" if self.count > 1 else "")
 
 
 class Log:
@@ -54,9 +70,12 @@ class Log:
         """
         return _reasons(self._struct) or _reasons(library().kernel_log_stray().contents)
 
-    def warnings(self) -> dict[str, int]:
-        """The text of each warning, and how often it is among the last."""
-        return dict(Counter(text for status, text in _grave(self._struct) if status < _SERIOUS))
+    def said(self) -> tuple[Said, ...]:
+        """All that was not well among the last that was said, each text once."""
+        return tuple(
+            Said(STATUS_NAMES[status] if status < len(STATUS_NAMES) else str(status), text, count)
+            for (status, text), count in Counter(_grave(self._struct)).items()
+        )
 
 
 def _reasons(log: LogStruct) -> list[str]:

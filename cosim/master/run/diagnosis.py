@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from cosim.base.component import VariableType
-from cosim.base.errors import CohapticError, InputError, RunError
+from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
 from cosim.master.assembly.interface import Element
 from cosim.master.assembly.plan import Act
-from cosim.master.fmu.instance import STATUS_NAMES, Fmu
+from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.log import STATUS_NAMES
 from cosim.master.kernel.native import Outcome
 from cosim.master.kernel.program import Program
 
@@ -30,13 +31,14 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
     when = moment(program)
     fmu = fmus.get(component)
     said = fmu.messages() if fmu is not None else []
-    logged = f"; it said: {' / '.join(said)}" if said else "; it logged nothing"
+    chatted = f"; it said: {' / '.join(said)}" if said else ""
+    logged = chatted or "; it logged nothing"
     if outcome is Outcome.STATUS:
         number = int(kernel.status)
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
         if status == "discard" and fmu is not None and fmu.asks_to_end():
-            return RunError(f"{component} asked to end the simulation at {when}{logged}")
+            return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
         kind = RunError if kernel.running or status == "fatal" else InputError
         return kind(
             f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"
@@ -51,7 +53,7 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
             "FMU that needs event mode or early return cannot be used"
         )
     if outcome is Outcome.TERMINATED:
-        return RunError(f"{component} asked to end the simulation at {when}{logged}")
+        return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
     return RunError(f"the plan's room for packets or rows was exceeded at {when}; report this")
 
 

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Protocol
 
 from cosim.base.component import Component
-from cosim.base.errors import InputError, RunError
+from cosim.base.errors import EndAsked, InputError, RunError
 from cosim.base.garbage import without_collecting
 from cosim.base.recording import Forgetful, RecordGroup, Rows, Sink
 from cosim.master.assembly.assemble import Assembly, put_together
@@ -22,6 +22,7 @@ from cosim.master.assembly.participants import Factory, setup_of
 from cosim.master.assembly.python_component import sentences
 from cosim.master.channels.packets import PacketCount
 from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.kernel.native import Outcome as Stop
 from cosim.master.kernel.native import library
@@ -52,6 +53,10 @@ class Outcome:
     channels: Mapping[str, PacketCount] = field(default_factory=dict[str, PacketCount])
     warnings: Mapping[str, int] = field(default_factory=dict[str, int])
     """Warnings that FMUs returned, by component."""
+    ended_by: str = ""
+    """The sentence of the model that asked for the end, which is a good one."""
+    said: Mapping[str, tuple[Said, ...]] = field(default_factory=dict[str, "tuple[Said, ...]"])
+    """What FMUs said that was not well, by component."""
 
 
 class Drive(Protocol):
@@ -178,7 +183,7 @@ class Simulation:
             RunError: an FMU returned an error status, put out NaN, or a component failed.
         """
         end = self.scenario.ticks if until is None else until
-        interrupted = False
+        interrupted, ended_by = False, ""
         self._pauses = dict(pauses or {})
         try:
             with without_collecting():
@@ -190,13 +195,18 @@ class Simulation:
             interrupted = wish.is_made and self.program.kernel.tick < end
         except KeyboardInterrupt:
             interrupted = True
+        except EndAsked as end_asked:
+            ended_by = str(end_asked)
         finally:
             self.outcome = Outcome(
-                ticks=self.program.kernel.tick,
+                # The tick in which a model comes to its end has been recorded.
+                ticks=self.program.kernel.tick + bool(ended_by),
                 wall_time=self._wall_time,
                 interrupted=interrupted,
                 channels=self.program.packets.counts(),
                 warnings=self.program.warnings(),
+                ended_by=ended_by,
+                said={name: said for name, fmu in self._fmus.items() if (said := fmu.said())},
             )
             self._close_components()
             if not keep_fmus:
@@ -474,11 +484,13 @@ class Simulation:
     def _raise_unless_done(self, stop: Stop) -> None:
         if stop is not Stop.DONE:
             component = str(self.program.stopped_at().unit)
-            self._failed.add(component)
             if stop is Stop.STATUS and component in self._fmus:
                 self._fmus[component].judge(int(self.program.kernel.status))
+            error = explain(stop, self.program, self._fmus)
+            if not isinstance(error, EndAsked):
+                self._failed.add(component)
             with placed_refusal(self.scenario, component):
-                raise explain(stop, self.program, self._fmus)
+                raise error
 
     def _open_rows(self, first: int, stop: int, sink: Sink) -> None:
         for number, group in enumerate(self.groups):

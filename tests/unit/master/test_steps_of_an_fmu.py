@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -58,19 +59,32 @@ def with_step(monkeypatch: pytest.MonkeyPatch, function: Any) -> None:
     monkeypatch.setattr(Fmu, "do_step", property(lambda self, keep=native: address))
 
 
-@pytest.mark.parametrize(("flag", "sentence"), [(6, "returned early"), (5, "asked to end")])
-def test_early_return_and_termination_are_refused_politely(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, flag: int, sentence: str
-) -> None:
+def raising_flag(flag: int) -> Callable[..., int]:
     def step(*arguments: Any) -> int:
         if arguments[1] == 3 / 1024:
             arguments[flag][0] = True
         return 0
 
-    with_step(monkeypatch, step)
+    return step
+
+
+def test_early_return_is_refused_politely(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with_step(monkeypatch, raising_flag(6))
     written = {"duration": 0.1, "components": {"hand": {"fmu": "hand", "rate": 1024}}}
-    with pytest.raises(RunError, match=rf"hand {sentence}.*at tick 3"):
+    with pytest.raises(RunError, match=r"hand returned early.*at tick 3"):
         run(scenario_of(tmp_path, written))
+
+
+def test_a_model_that_asks_for_the_end_ends_the_run_well(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_step(monkeypatch, raising_flag(5))
+    written = {"duration": 0.1, "components": {"hand": {"fmu": "hand", "rate": 1024}}}
+    sink, simulation = run(scenario_of(tmp_path, written))
+    outcome = simulation.outcome
+    assert outcome.ended_by == "hand asked to end the simulation at tick 3 (0.00292969 s)"
+    assert not outcome.interrupted
+    assert outcome.ticks == len(sink.signal("hand.position")) == 4
 
 
 def test_a_warning_is_counted_and_pending_ends_the_run(
