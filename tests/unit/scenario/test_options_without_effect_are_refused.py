@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from click.testing import CliRunner
 
@@ -9,6 +11,7 @@ from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.cli.support.forms import FORMS
 from cosim.cli.support.pace import Pace, pace_of
+from cosim.realtime.form import RealtimeForm
 from cosim.scenario import load
 
 MOCK = ("--with", "devices/mock")
@@ -35,6 +38,28 @@ def test_it_says_what_to_write(arguments, sentence, tmp_path, monkeypatch) -> No
     with pytest.raises(InputError, match=sentence):
         CliRunner().invoke(cli, arguments, catch_exceptions=False, standalone_mode=False)
     assert not list(tmp_path.iterdir()), "nothing was begun"
+
+
+PACES = {"on_miss": ("count", "stop"), "cpu": (0, 1)}
+
+
+@pytest.mark.parametrize("key", sorted(RealtimeForm.model_fields))
+def test_the_loop_is_paced_as_the_scenario_says(key, monkeypatch) -> None:
+    """Every key of the form; one without values in ``PACES`` fails."""
+    paces: list[Any] = []
+
+    def run_scenario(*_: Any, execute: Any, **__: Any) -> None:
+        paces.append({"cpu": execute.cpu, "on_miss": execute.pacer.policy})
+        raise InputError("far enough")
+
+    monkeypatch.setattr("cosim.run.run_scenario", run_scenario)
+    for value in PACES[key]:
+        over = ("--set", f"realtime.{key}={value}", "--realtime")
+        with pytest.raises(InputError, match="far enough"):
+            CliRunner().invoke(
+                cli, ["run", "single_user", *over], catch_exceptions=False, standalone_mode=False
+            )
+    assert [pace[key] for pace in paces] == list(PACES[key])
 
 
 def test_the_command_line_wins_over_realtime() -> None:
