@@ -41,7 +41,7 @@ KEYS = keys_of(
     *(driver.options for driver in DRIVERS),
 )
 
-SLOW = Fraction(1, 128)
+SLOW = Fraction(1, 512)
 HALF = 0.04
 LIMITS: dict[str, float] = {
     "torque": 0.1,
@@ -333,16 +333,16 @@ def guarded(file: DeviceFile) -> Any:
 def exchanges(file: DeviceFile) -> list[Any]:
     """A hand holds, moves, jerks and stretches a device that is commanded to push."""
     return [
-        phase(file, 430, lambda _: (0.0, 0.0), lambda tick: 1 if tick % 38 < 25 else -1),
-        phase(file, 240, moving, lambda _: 1),
-        phase(file, 100, lambda tick: (0.03 * max(0, tick - 60), 0.0), lambda _: 0),
+        phase(file, 1720, lambda _: (0.0, 0.0), lambda tick: 1 if tick % 152 < 100 else -1),
+        phase(file, 960, moving, lambda _: 1),
+        phase(file, 100, lambda tick: (0.008 * max(0, tick - 60), 0.0), lambda _: 0),
         phase(file, 300, lambda tick: (-0.002 * tick, 0.002 * tick), lambda _: 1),
     ]
 
 
 def moving(tick: int) -> tuple[float, float]:
     """Ever faster to and fro, once force has come up."""
-    late = max(0, tick - 200) / 40
+    late = max(0, tick - 800) / 160
     return (0.3 * late * sin(2 * pi * 3 * late), 0.0)
 
 
