@@ -219,13 +219,10 @@ def _opened(url: str, file: Path | None) -> Device:
 
 def _session(*, yes: bool) -> Session:
     """Output was asked for; a person at a terminal is asked back."""
+    from cosim.cli.support.devices import ask_person
     from hil.setup.session import Session
 
-    def prompt(text: str) -> str:
-        click.echo(text, err=True, nl=False)
-        return sys.stdin.readline()
-
-    return Session(enable_output=True, yes=yes, prompt=prompt if sys.stdin.isatty() else None)
+    return Session(enable_output=True, yes=yes, prompt=ask_person if sys.stdin.isatty() else None)
 
 
 def _show(angle: tuple[float, float], age: int) -> None:

@@ -62,7 +62,7 @@ def device_session(*, enable_output: bool, yes: bool, dead_man: str | None = Non
             enable_output=enable_output,
             yes=yes,
             dead_man=None if dead_man is None else open_dead_man(dead_man),
-            prompt=_prompt if sys.stdin.isatty() else None,
+            prompt=ask_person if sys.stdin.isatty() else None,
             say=say,
         )
     )
@@ -105,6 +105,20 @@ def say(sentence: str) -> None:
     click.echo(sentence, err=True)
 
 
-def _prompt(text: str) -> str:
+def ask_person(text: str) -> str:
+    """What a person answers at the terminal; what was typed before the question is no answer.
+
+    Raises:
+        InputError: the command runs in the background, where it would answer for another.
+    """
+    import os
+    import termios
+
+    from cosim.base.errors import InputError
+
+    terminal = sys.stdin.fileno()
+    if os.tcgetpgrp(terminal) != os.getpgrp():
+        raise InputError("a question has to be answered, and this runs in the background: use 'fg'")
+    termios.tcflush(terminal, termios.TCIFLUSH)
     click.echo(text, err=True, nl=False)
     return sys.stdin.readline()

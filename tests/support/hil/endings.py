@@ -65,12 +65,21 @@ class Run:
 
     folder: Path
     board: str
+    ahead: str = ""
+    """What is typed before anything is asked."""
     said: str = ""
     motors: subprocess.Popen = field(init=False)
     command: subprocess.Popen = field(init=False)
     terminal: int | None = None
 
     def start(self) -> None:
+        """Begin, answer what is asked, and wait until it pushes."""
+        self.begin()
+        self.answer("Type 'enable'", "enable\n")
+        self.answer("press Enter", "\n")
+        self.wait_until_pushing()
+
+    def begin(self) -> None:
         self.motors = subprocess.Popen(
             [sys.executable, str(HERE / "motors.py"), self.board],
             stdin=subprocess.PIPE,
@@ -103,9 +112,8 @@ class Run:
             preexec_fn=_control,
         )
         os.close(theirs)
-        self.answer("Type 'enable'", "enable\n")
-        self.answer("press Enter", "\n")
-        self.wait_until_pushing()
+        if self.ahead:
+            self.type(self.ahead)
 
     def answer(self, question: str, text: str) -> None:
         assert self.terminal is not None

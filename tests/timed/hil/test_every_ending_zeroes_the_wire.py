@@ -193,3 +193,16 @@ def test_a_zero_that_nobody_confirmed_is_said_to_be_unknown(how: str, tmp_path: 
         return None
 
     timed(attempt, tolerates=STALL)
+
+
+def test_what_was_typed_before_the_question_is_no_answer(tmp_path: Path):
+    run = Run(tmp_path, "haply", ahead="enable\n\n")
+    try:
+        run.begin()
+        run.listen_for("Type 'enable'")
+        for _ in range(10):
+            run.listen(0.1)
+        assert "press Enter" not in run.said
+        assert run.command.poll() is None, "it waits for its answer"
+    finally:
+        run.end()
