@@ -17,6 +17,7 @@ from tests.support.link.whole import MILLISECOND, SECOND
 from tests.timed.link.test_two_processes import free_ports, station
 
 FADE, RESUME, MAX_FORCE = 52, 1024, 2.5
+HOLD = 0.03125
 NAMES = ("station_a", "station_b")
 
 
@@ -73,5 +74,12 @@ def test_two_processes_survive_a_drawn_schedule(tmp_path, seed: int) -> None:
         assert starts.sum() <= 1
         assert steps[~starts].max() <= 1.01 / RESUME
         assert steps.min() >= -1.01 / FADE
-        # Once he let go everybody came back, the machine permitting.
-        assert weight[-5 * RESUME :].max() == 1.0
+        # Once he let go everybody came back; a loop that the machine stops for longer than the hold
+        # fades, and is on its way back again.
+        stalled = any(worst_lateness(tmp_path / each) > HOLD for each in NAMES)
+        assert weight[-5 * RESUME :].max() == 1.0 or (stalled and weight[-5 * RESUME :].max() > 0.1)
+
+
+def worst_lateness(folder) -> float:
+    """By how much (s) a loop was late at its worst tick."""
+    return json.loads((folder / "manifest.json").read_text())["deadlines"]["worst"]
