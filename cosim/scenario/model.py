@@ -54,6 +54,8 @@ class Component:
     feedthrough: bool | None = None
     """Whether declared output-on-input dependencies count within a tick; ``None`` (python, device)
     leaves it to the component itself. A bundled FMU has ``True``, any other ``False``."""
+    is_strict: bool = False
+    """fmu: whether a description that breaks rules of the standard is refused; else it is noted."""
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
     """Values by variable name; groups are joined by dots (``finger_1.base_x``)."""
     start: Mapping[str, Value] = field(default_factory=dict[str, Value])

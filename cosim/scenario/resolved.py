@@ -65,6 +65,8 @@ def _component(part: Component) -> dict[str, Any]:
         if part.is_bundled:
             written["flavour"] = part.flavour
         written |= {"substeps": part.substeps, "feedthrough": part.feedthrough}
+        if part.is_strict:
+            written["validate"] = "strict"
     if part.parameters:
         written["parameters"] = _plain(part.parameters)
     if part.start:

@@ -13,7 +13,7 @@ from cosim.master.assembly.connections import wire
 from cosim.master.assembly.copies import differing_copies
 from cosim.master.assembly.files import with_files
 from cosim.master.assembly.layout import Layout, lay_out
-from cosim.master.assembly.participants import Factory, Participant, read_participants
+from cosim.master.assembly.participants import Factory, Participant, broken_rules, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.selection import describe_groups, select_recorded
@@ -86,7 +86,11 @@ def put_together(
                 tuple(layout.of(signal) for signal in group.signals.values()) for group in selected
             ),
             lagging=tuple(planner.lagging()),
-            notes=(*wiring.notes, *differing_copies(scenario, participants)),
+            notes=(
+                *wiring.notes,
+                *differing_copies(scenario, participants),
+                *broken_rules(participants),
+            ),
         )
     problems.raise_if_any()
     raise AssertionError

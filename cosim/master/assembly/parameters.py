@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -16,6 +17,8 @@ from cosim.base.suggest import did_you_mean, index_hint
 from cosim.base.units import Unit, unit_of
 from cosim.master.assembly.interface import size_of, variable_elements
 
+_INDEXED = re.compile(r"(.+)\[\d+(?:,\d+)*\]")
+"""An element; ``p[Color.red]`` is a name of its own."""
 FLOAT32_MAX = (2 - 2**-23) * 2.0**127
 SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
 STARTABLE = frozenset({Causality.INPUT, Causality.OUTPUT, Causality.LOCAL})
@@ -46,7 +49,7 @@ def resolve_values(
         (
             variable
             for variable in variables.values()
-            if variable.name.startswith(f"{name}[") and variable.name.endswith("]")
+            if (match := _INDEXED.fullmatch(variable.name)) and match.group(1) == name
         ),
         key=lambda variable: [int(i) for i in variable.name[len(name) + 1 : -1].split(",")],
     )

@@ -112,6 +112,8 @@ def _read_fmu(
     path = bundled(source, written.flavour) if own else Path(source)
     description = read_description(path)
     find_binary(description)
+    if written.is_strict and description.breaks:
+        raise InputError(f"the modelDescription.xml of {path} {_broken(description)}")
     # Structural parameters first: they say how many elements the others have.
     structural = {
         name: value
@@ -134,6 +136,20 @@ def _read_fmu(
         fmu=description,
         substeps=choose_substeps(description, clock, written.period, written.substeps),
     )
+
+
+def broken_rules(participants: Mapping[str, Participant]) -> list[str]:
+    """A note for each FMU that is used though its description breaks rules of the standard."""
+    return [
+        f"{name}: its modelDescription.xml {_broken(each.fmu)}"
+        for name, each in participants.items()
+        if each.fmu is not None and each.fmu.breaks
+    ]
+
+
+def _broken(description: FmuDescription) -> str:
+    first, *others = description.breaks
+    return f"is not valid: {first}" + (f" (and {len(others)} more)" if others else "")
 
 
 def _values(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -51,6 +52,8 @@ class FmuDescription:
     fixed_step: Fraction | None
     """The step (s) that an FMU which cannot vary its step was made for."""
     once_per_process: bool
+    breaks: tuple[str, ...]
+    """Rules of the standard that the description breaks, and with which it can be used."""
     saves_state: bool
     """Whether it offers its whole state as bytes, and takes it back."""
 
@@ -77,7 +80,7 @@ def parse_description(
     Raises:
         InputError: the description cannot be used.
     """
-    description = _parse(path, folder)
+    description, breaks = _parse(path, folder)
     version = description.fmiMajorVersion
     if version not in {2, 3}:
         raise InputError(
@@ -121,24 +124,29 @@ def parse_description(
         log_categories=tuple(c.name for c in description.logCategories),
         fixed_step=_fixed_step(description),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
+        breaks=breaks,
         saves_state=interface.canGetAndSetFMUstate and interface.canSerializeFMUstate,
     )
 
 
-def _parse(path: Path, folder: Path) -> Any:
+def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
+    """FMPy's description, and the rules that it breaks: many tools break some."""
     fmpy: Any = importlib.import_module("fmpy.model_description")
     if not (folder / "modelDescription.xml").is_file():
         raise InputError(f"{path} has no modelDescription.xml, so it is not an FMU")
     try:
-        return fmpy.read_model_description(str(folder))
-    except fmpy.ValidationError as error:
-        problems: list[Any] = list(error.problems)
-        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-        raise InputError(
-            f"the modelDescription.xml of {path} is not valid: {problems[0]}{more}"
-        ) from None
+        try:
+            return fmpy.read_model_description(str(folder)), ()
+        except fmpy.ValidationError as error:
+            breaks = tuple(str(problem) for problem in error.problems)
+        found = fmpy.read_model_description(str(folder), validate=False)
     except Exception as error:  # FMPy raises bare exceptions, lxml its own
         raise InputError(f"the modelDescription.xml of {path} cannot be read: {error}") from None
+    names = Counter(variable.name for variable in found.modelVariables)
+    twice = [name for name, count in names.items() if count > 1]
+    if twice:
+        raise InputError(f"the modelDescription.xml of {path} declares {twice[0]} twice")
+    return found, breaks
 
 
 @dataclass(frozen=True, slots=True)

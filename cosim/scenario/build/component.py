@@ -40,6 +40,7 @@ def build_component(context: Context, name: str, form: ComponentForm) -> Compone
         flavour=form.flavour or "fmi3",
         substeps=form.substeps or 1,
         feedthrough=feedthrough,
+        is_strict=form.validate_ == "strict",
         parameters=form.parameters,
         start=form.start,
         options=_options(context, form, name),

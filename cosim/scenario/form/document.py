@@ -89,6 +89,11 @@ class ComponentForm(Form):
         description="fmu: whether outputs follow inputs within a tick, as its dependencies say; "
         "true for bundled models, false for others.",
     )
+    validate_: Literal["lenient", "strict"] | None = Field(
+        default=None,
+        alias="validate",
+        description="fmu: whether rule breaks of its XML are notes or refused; lenient by default.",
+    )
 
     @model_validator(mode="after")
     def _one_kind(self) -> ComponentForm:
@@ -98,9 +103,9 @@ class ComponentForm(Form):
         if not kinds:
             raise problem("it has no kind; give it one of 'fmu', 'python', 'device', 'playback'.")
         owners = {"flavour": "fmu", "substeps": "fmu", "feedthrough": "fmu", "of": "playback"}
-        for key, owner in owners.items():
+        for key, owner in {**owners, "validate_": "fmu"}.items():
             if getattr(self, key) is not None and kinds[0] != owner:
-                raise problem(f"'{key}' belongs to '{owner}', not to '{kinds[0]}'.")
+                raise problem(f"'{key.rstrip('_')}' belongs to '{owner}', not to '{kinds[0]}'.")
         return self
 
 

@@ -20,7 +20,7 @@ Path = tuple[PathKey, ...]
 KINDS = ("fmu", "python", "device", "playback")
 """The keys that say what computes a component; exactly one of them."""
 
-KIND_KEYS = (*KINDS, "parameters", "start", "flavour", "substeps", "feedthrough", "of")
+KIND_KEYS = (*KINDS, "parameters", "start", "flavour", "substeps", "feedthrough", "validate", "of")
 """What a component loses when its kind changes; station and rate stay."""
 
 
