@@ -110,6 +110,8 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     description: str = ""
+    is_relative: bool = False
+    """A difference, to which the offset of its unit does not apply (FMI ``relativeQuantity``)."""
     role: Role | None = None
     items: Mapping[str, int] | None = None
     meaning: Meaning | tuple[Meaning | None, ...] | None = None

@@ -230,6 +230,12 @@ class _Wirer:
             and (not self._is_playback(connection))
         ):
             raise InputError(f"{names} cannot drive {into}: only a boolean can")
+        ends = {there.is_relative: pair.source_unit, here.is_relative: pair.target_unit}
+        if len(ends) == 2 and (absolute := ends[False]) is not None and absolute.offset:
+            raise InputError(
+                f"{names} cannot drive {into}: one is a difference (relativeQuantity), "
+                f"the other an absolute value in {absolute.name}"
+            )
         factor = conversion(pair.source_unit, pair.target_unit)
         if factor is None:
             raise InputError(

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from itertools import product
 from math import prod
 
@@ -81,10 +82,11 @@ class Interface:
 
     def unit(self, variable: str) -> Unit | None:
         """The unit of a variable, if it has one."""
-        name = self.variables[variable].unit
-        if not name:
+        described = self.variables[variable]
+        if not described.unit:
             return None
-        return self.units.get(name) or unit_of(name)
+        unit = self.units.get(described.unit) or unit_of(described.unit)
+        return replace(unit, offset=Fraction(0)) if described.is_relative else unit
 
     def select(self, path: str) -> Selection:
         """What ``path`` stands for: a variable, an array, a terminal or a dotted group.

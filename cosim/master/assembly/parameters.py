@@ -6,6 +6,8 @@ import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
@@ -160,7 +162,10 @@ def _convert(
         return _item(where, variable, value)
     if isinstance(value, str):
         unit = variable.unit or "1"
-        value = _quantity(where, units.get(unit) or unit_of(unit), value)
+        known = units.get(unit) or unit_of(unit)
+        if variable.is_relative:
+            known = replace(known, offset=Fraction(0))
+        value = _quantity(where, known, value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{where} is a number, not {show(value)}")
     if isinstance(value, float) and not kind.is_float and not value.is_integer():

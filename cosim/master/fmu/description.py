@@ -95,10 +95,17 @@ def parse_description(
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = _Shapes(dict(structure), by_reference)
     meant = read_meanings(path, folder / "modelDescription.xml")
+    relative = _relative(folder / "modelDescription.xml")
     variables: dict[str, Variable] = {}
     for v in description.modelVariables:
         try:
-            variables[v.name] = _variable(v, version, shapes, meant.get(v.name, NOTHING))
+            variables[v.name] = _variable(
+                v,
+                version,
+                shapes,
+                meant.get(v.name, NOTHING),
+                is_relative=relative.get(v.name),
+            )
         except ValueError as error:
             raise InputError(
                 f"line {v.sourceline} of the modelDescription.xml of {path}: {v.name}: {error}"
@@ -163,7 +170,9 @@ class _Shapes:
         return tuple(shape)
 
 
-def _variable(variable: Any, version: int, shapes: _Shapes, meant: Meant) -> Variable:
+def _variable(
+    variable: Any, version: int, shapes: _Shapes, meant: Meant, *, is_relative: bool | None
+) -> Variable:
     kind = _FMI2_TYPES[variable.type] if version == 2 else _fmi3_type(variable.type)
     declared = variable.declaredType
     unit = variable.unit or (declared.unit if declared is not None else None)
@@ -180,9 +189,24 @@ def _variable(variable: Any, version: int, shapes: _Shapes, meant: Meant) -> Var
         maximum=_bound(variable.max),
         description=variable.description or "",
         items=items or None,
+        is_relative=is_relative
+        if is_relative is not None
+        else bool(declared is not None and declared.relativeQuantity),
         meaning=meant.meaning,
         belongs_to=meant.belongs_to,
     )
+
+
+def _relative(path: Path) -> dict[str, bool]:
+    """What variables say of ``relativeQuantity`` themselves, which FMPy passes over."""
+    if b"relativeQuantity" not in path.read_bytes():
+        return {}
+    found: dict[str, bool] = {}
+    for variable in ET.parse(path).getroot().iterfind("ModelVariables/*"):
+        for element in (variable, *variable.findall("Real")):
+            if (word := element.get("relativeQuantity")) is not None:
+                found[variable.get("name", "")] = word in {"true", "1"}
+    return found
 
 
 def _fmi3_type(name: str) -> VariableType:
