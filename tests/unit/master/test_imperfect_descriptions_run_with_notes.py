@@ -50,6 +50,26 @@ def test_strict_refuses_what_lenient_notes(tmp_path: Path, version: int, how: st
         assemble(scenario_of(tmp_path, scenario(fmu, ", validate: strict")))
 
 
+@pytest.mark.parametrize("has_resources", [False, True])
+def test_the_path_of_resources_is_null_where_there_are_none(
+    tmp_path: Path, has_resources: bool
+) -> None:
+    refuses = "m->resources == 0" if has_resources else "m->resources != 0"
+    snippet = f"""
+        static int hook(Foreign *m, const char *call)
+        {{
+            return is(call, "Instantiate") && {refuses};
+        }}
+        #define HOOK hook
+    """
+    extra = {"resources/table.txt": "1"} if has_resources else {}
+    run(
+        scenario_of(
+            tmp_path, scenario(foreign_fmu(tmp_path, 3, U[3], snippet=snippet, extra=extra))
+        )
+    )
+
+
 def test_validation_belongs_to_fmus(tmp_path: Path) -> None:
     written = "duration: 1\ncomponents:\n  f: {python: 'a:B', rate: 1, validate: strict}\n"
     with pytest.raises(InputError, match="'validate' belongs to 'fmu', not to 'python'"):

@@ -28,6 +28,7 @@ typedef struct {
     void (*log2)(void *, const char *, int, const char *, const char *, ...);
     void (*log3)(void *, int, const char *, const char *);
     void *environment;
+    const char *resources; /* as FMI 3 was given them */
     bool terminate; /* the step is to ask for the end */
 } Foreign;
 
@@ -92,6 +93,7 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
     Foreign *m = make();
     m->log3 = (void (*)(void *, int, const char *, const char *))log;
     m->environment = environment;
+    m->resources = resources;
     return HOOK(m, "Instantiate") ? 0 : m;
 }
 
