@@ -111,7 +111,7 @@ class Fmi3:
             self._functions["fmi3InstantiateCoSimulation"](
                 name.encode(),
                 token.encode(),
-                # NULL where there are none (FMI 3.0 section 2.3.1).
+                # FMI 3 wants NULL where there are none.
                 f"{resources}/".encode() if resources.is_dir() else None,
                 False,
                 log_all,
