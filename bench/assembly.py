@@ -26,7 +26,7 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
     """Seconds of each part, in this process; ``ticks`` are 64 of the loop, a component."""
     import cProfile
 
-    from cosim.base.garbage import without_collecting
+    from cosim.base.system.garbage import without_collecting
     from cosim.master.run.simulation import assemble
     from cosim.record.writer import Recorder
     from cosim.run import peak_memory

@@ -27,7 +27,7 @@ from host import Host, compare, verdict
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim.base.grants import clock_nanosleep, prepare_loop
+from cosim.base.system.grants import clock_nanosleep, prepare_loop
 from cosim.realtime.pacing import DeadlinePacer
 from hil.device.component import REST_TICKS
 from hil.device.contract import ZERO

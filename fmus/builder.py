@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from cosim.base import meaning, units
+from cosim.base import meaning
+from cosim.base.quantities import units
 from fmus.archive import FLAVOURS, fmu_bytes, licence_files
 from fmus.cache import cache_directory
 from fmus.compiler import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
-from cosim.base.units import BASES, parse_unit
+from cosim.base.quantities.units import BASES, parse_unit
 from fmus.layout import Element, Layout, Placed, elements_of
 
 LOG_CATEGORIES = {

@@ -12,9 +12,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from cosim.base import meaning, units
+from cosim.base import meaning
 from cosim.base.errors import InputError
-from cosim.base.store import keep, recall
+from cosim.base.quantities import units
+from cosim.base.system.store import keep, recall
 from fmus.cache import cache_directory
 from fmus.names import FOLDER
 

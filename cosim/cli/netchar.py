@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.base.writing import writing
+from cosim.base.system.writing import writing
 from cosim.cli.support.command import Command
 from cosim.cli.support.values import FIGURES, Number, OutputFile, seconds
 

@@ -104,7 +104,7 @@ def list_command(run: Path, *, as_json: bool) -> None:
 def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_json: bool) -> None:
     """Write a run as csv, mat, mcap, mf4 or parquet; held signals stay held."""
     from cosim.record import open_run
-    from cosim.record.export import export
+    from cosim.record.export.formats import export
 
     with open_run(run) as opened:
         paths = export(opened, kind, out or opened.folder / "export", held=held)

@@ -88,7 +88,7 @@ def command(
     )
     console = Console() if sys.stderr.isatty() and paced is not None else None
     if paced is not None:
-        from cosim.base.grants import clock_nanosleep
+        from cosim.base.system.grants import clock_nanosleep
         from cosim.realtime.pacing import DeadlinePacer
 
         pace = pace_of(loaded, on_miss=on_miss, cpu=cpu)

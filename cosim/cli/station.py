@@ -85,7 +85,7 @@ def command(
     """
     from cosim.analysis import load_tuned
     from cosim.analysis.longest_delay import longest_delay
-    from cosim.base.grants import clock_nanosleep
+    from cosim.base.system.grants import clock_nanosleep
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import device_session, say
     from cosim.cli.support.forms import FORMS

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import isclose
 
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.problems import Problems
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Held, Signal
 

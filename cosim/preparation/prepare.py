@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.base.component import Component
-from cosim.base.problems import Problems
+from cosim.base.document.problems import Problems
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.late_packets import packets_that_come_too_late

@@ -15,8 +15,8 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 
-from cosim.base.pulse import RUNNING, Pulse, Who
-from cosim.base.supervised import Supervised
+from cosim.base.system.pulse import RUNNING, Pulse, Who
+from cosim.base.system.supervised import Supervised
 from cosim.realtime.messages import Message, split
 
 POLL_SECONDS = 0.02

@@ -10,9 +10,9 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any, Protocol
 
 from cosim.base.errors import CohapticError
-from cosim.base.grants import prepare_loop
-from cosim.base.pulse import FINISHED, RUNNING, Pulse
-from cosim.base.supervised import Supervised
+from cosim.base.system.grants import prepare_loop
+from cosim.base.system.pulse import FINISHED, RUNNING, Pulse
+from cosim.base.system.supervised import Supervised
 from cosim.master.run.simulation import Simulation
 from cosim.realtime.deadlines import Deadlines
 from cosim.realtime.live import STATUS_TICKS, Feed, StatusWriter

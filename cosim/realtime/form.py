@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cosim.base.form import Form, QuantityIn
+from cosim.base.document.form import Form, QuantityIn
 
 
 class RealtimeForm(Form):

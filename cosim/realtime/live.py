@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from cosim.base.recording import RecordGroup
-from cosim.base.supervised import DeviceCells, Opens, Supervised
+from cosim.base.system.supervised import DeviceCells, Opens, Supervised
 from cosim.realtime.ring import Ring
 
 STATUS_ROWS = 128

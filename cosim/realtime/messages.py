@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cosim.base.grants import Grant
+from cosim.base.system.grants import Grant
 from cosim.master.run.simulation import Outcome
 
 

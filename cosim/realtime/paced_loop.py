@@ -14,8 +14,8 @@ from typing import Any
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup, Rows, Sink
-from cosim.master.assembly.blame import told
 from cosim.master.channels.packets import BLOCK
+from cosim.master.components.blame import told
 from cosim.master.kernel.native import Outcome, library
 from cosim.master.kernel.program import Program
 from cosim.master.run.diagnosis import moment

@@ -15,10 +15,10 @@ from fractions import Fraction
 from typing import Any, NoReturn
 
 from cosim.base.errors import InputError, RunError
-from cosim.base.grants import Grant
-from cosim.base.pulse import Pulse, Who
 from cosim.base.recording import Sink
-from cosim.base.supervised import Opening, Opens, Supervised
+from cosim.base.system.grants import Grant
+from cosim.base.system.pulse import Pulse, Who
+from cosim.base.system.supervised import Opening, Opens, Supervised
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer

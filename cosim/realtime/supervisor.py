@@ -15,9 +15,9 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 
-from cosim.base.grants import SUPERVISOR_PRIORITY, freeze_garbage, real_time_priority
-from cosim.base.pulse import FINISHED, RUNNING, Pulse, Who
-from cosim.base.supervised import Supervised
+from cosim.base.system.grants import SUPERVISOR_PRIORITY, freeze_garbage, real_time_priority
+from cosim.base.system.pulse import FINISHED, RUNNING, Pulse, Who
+from cosim.base.system.supervised import Supervised
 from cosim.realtime.messages import Ending
 from cosim.realtime.signals import pending
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from cosim.base.supervised import DeviceCells
+from cosim.base.system.supervised import DeviceCells
 from cosim.realtime.live import DEVICE_CELLS, LOOP_CELLS, PREFIX, shared_folder
 from cosim.realtime.ring import Reader, Ring
 

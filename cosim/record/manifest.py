@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from cosim.base.installed import version_of
+from cosim.base.system.installed import version_of
 from cosim.record.reader import MANIFEST_FILE
 from cosim.scenario import Scenario
 

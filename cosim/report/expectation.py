@@ -24,9 +24,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, cast
 
+from cosim.base.document.show import show
 from cosim.base.errors import InputError, InputErrors
-from cosim.base.quantity import QuantityError, quantity
-from cosim.base.show import show
+from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.suggest import did_you_mean
 from cosim.record.reader import Run
 from cosim.report.measures import SCENARIO_MEASURES, TickRange

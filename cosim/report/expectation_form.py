@@ -18,9 +18,9 @@ from pydantic import (
     model_validator,
 )
 
-from cosim.base.form import Form, problem
-from cosim.base.quantity import QuantityError, exact, quantity, split_quantity
-from cosim.base.show import describe, show
+from cosim.base.document.form import Form, problem
+from cosim.base.document.show import describe, show
+from cosim.base.quantities.quantity import QuantityError, exact, quantity, split_quantity
 from cosim.base.suggest import did_you_mean
 
 COMPARISONS = ("below", "above", "within", "equals")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.base.writing import writing
+from cosim.base.system.writing import writing
 from cosim.theory.numerics import Bool
 from cosim.theory.stability.map import Axis
 from cosim.theory.transparency.admittance import Response

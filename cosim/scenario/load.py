@@ -8,8 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cosim.base.garbage import without_collecting
-from cosim.base.node import Node
+from cosim.base.document.node import Node
+from cosim.base.system.garbage import without_collecting
 from cosim.scenario.model import Scenario
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal
 
+from cosim.base.document.node import Node, PathKey
 from cosim.base.errors import Location
-from cosim.base.node import Node, PathKey
 from cosim.scenario.impairments.effect import Effect
 
 Value = float | int | bool | str | tuple[Any, ...]

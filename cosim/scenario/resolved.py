@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, cast
 
-from cosim.base.quantity import format_exact
-from cosim.base.yaml_writer import write_yaml
+from cosim.base.document.yaml_writer import write_yaml
+from cosim.base.quantities.quantity import format_exact
 from cosim.scenario.impairments.impairment import Impairment
 from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (

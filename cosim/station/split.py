@@ -16,9 +16,9 @@ from cosim.link.stream.bundle import Bundle, Field
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import Assembly
-from cosim.master.assembly.interface import Element
 from cosim.master.assembly.wiring import Bundle as WiredBundle
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
+from cosim.master.components.interface import Element
 from cosim.scenario import Channel, Component, Connection, Direction, Kind, Record, Reference
 from cosim.scenario import Scenario as FullScenario
 from cosim.scenario.model import Value

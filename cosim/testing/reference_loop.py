@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Causality, VariableType
 from cosim.master.assembly.assemble import Assembly
-from cosim.master.assembly.interface import has_cells, size_of
-from cosim.master.assembly.parameters import element_start
-from cosim.master.assembly.participants import Participant
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Source, Wire
 from cosim.master.channels.fates import LOST
+from cosim.master.components.interface import has_cells, size_of
+from cosim.master.components.parameters import element_start
+from cosim.master.components.participants import Participant
 
 Number = float | int
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.component import Cells, Component, Role, Setup, Variable
+from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import InputError, Location
-from cosim.base.form import plain_node, read_form
-from cosim.base.supervised import Opening
+from cosim.base.system.supervised import Opening
 from hil.device.contract import Flag, Measurement, State
 from hil.device.device import CAUSES, STATES, Device
 from hil.device.driver import Driver

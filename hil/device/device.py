@@ -14,8 +14,8 @@ from fractions import Fraction
 from typing import Any, Self, final
 
 from cosim.base.errors import InputError
-from cosim.base.pulse import Pulse
-from cosim.base.supervised import DeviceCells
+from cosim.base.system.pulse import Pulse
+from cosim.base.system.supervised import DeviceCells
 from hil.device.alarm import Alarm
 from hil.device.contract import (
     ZERO,

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from cosim.base.pulse import Pulse
+from cosim.base.system.pulse import Pulse
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
 from hil.setup.address import Address

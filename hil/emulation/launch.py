@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from cosim.base.errors import InputError
-from cosim.base.grants import freeze_garbage, real_time_priority
+from cosim.base.system.grants import freeze_garbage, real_time_priority
 from hil.emulation.board import Board
 from hil.emulation.links import CanLink, Link, PtyLink, SlcanLink
 from hil.emulation.plant import Hand, SimulatedPantograph

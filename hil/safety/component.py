@@ -12,8 +12,8 @@ from dataclasses import fields
 from typing import Any
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import Location
-from cosim.base.form import plain_node, read_form
 from hil.device.contract import ZERO, Flag
 from hil.safety.form import LimitsForm
 from hil.safety.layer import SafetyLayer

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from cosim.base.form import Form, QuantityIn
+from cosim.base.document.form import Form, QuantityIn
 
 LARGEST = 1e9
 """No value of a device is as large, in any unit."""

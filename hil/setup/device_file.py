@@ -12,10 +12,10 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from cosim.base.document.node import Node
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError, Location
-from cosim.base.node import Node
-from cosim.base.problems import Problems
-from cosim.base.writing import writing
+from cosim.base.system.writing import writing
 from hil.device.contract import WatchdogProof
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
@@ -105,7 +105,7 @@ def load(path: Path) -> DeviceFile:
         InputError: it cannot be read, or values in it are unknown, missing or implausible: all of
             them, each with its place.
     """
-    from cosim.base.yaml_reader import read_yaml
+    from cosim.base.document.yaml_reader import read_yaml
 
     try:
         root = read_yaml(path, str(path))
@@ -147,13 +147,13 @@ def parse(document: object) -> DeviceFile:
     Raises:
         InputError: as :func:`load`.
     """
-    from cosim.base.form import plain_node
+    from cosim.base.document.form import plain_node
 
     return _read(plain_node(document, Location("the device file", 0, 0)), None)
 
 
 def _read(root: Node, path: Path | None) -> DeviceFile:
-    from cosim.base.form import check_form
+    from cosim.base.document.form import check_form
     from hil.setup.settings import form_with_settings
 
     written = root.text("driver")

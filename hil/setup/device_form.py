@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, WithJsonSchema, model_validator
 
-from cosim.base.form import Form, QuantityIn, problem
-from cosim.base.show import describe
+from cosim.base.document.form import Form, QuantityIn, problem
+from cosim.base.document.show import describe
 from hil.safety.form import LARGEST, LimitsForm
 
 LARGEST_OFFSET = 4 * pi

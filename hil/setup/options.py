@@ -8,9 +8,9 @@ from typing import Any, Literal, TypeVar, cast
 from pydantic import Field
 from pydantic_core import CoreSchema, core_schema
 
+from cosim.base.document.form import Form, plain_node, problem, read_form
+from cosim.base.document.show import describe
 from cosim.base.errors import Location
-from cosim.base.form import Form, plain_node, problem, read_form
-from cosim.base.show import describe
 from hil.setup.address import Address
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from difflib import get_close_matches
 
 from cosim.base.errors import InputError
-from cosim.base.installed import registered
+from cosim.base.system.installed import registered
 from hil.device.driver import Driver
 
 GROUP = "cohaptic.devices"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydantic import create_model
 
+from cosim.base.document.form import Form
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.form import Form
-from cosim.base.problems import Problems
 from hil.setup.device_form import DeviceFileForm
 
 

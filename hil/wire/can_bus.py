@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
-from cosim.base.form import QuantityIn
 from hil.device.errors import DeviceGone
 from hil.emulation.side_channel import Control
 from hil.setup.address import Address
@@ -31,7 +31,7 @@ from hil.wire.serial_port import (
 )
 
 if TYPE_CHECKING:
-    from cosim.base.pulse import Pulse
+    from cosim.base.system.pulse import Pulse
 
 BUDGET_SECONDS = 600e-6
 """What all devices of a station may take of a tick."""

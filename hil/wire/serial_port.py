@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from cosim.base.form import QuantityIn
+from cosim.base.document.form import QuantityIn
 from hil.device.errors import DeviceError, DeviceGone
 from hil.emulation.side_channel import Control
 from hil.setup.address import Address
@@ -18,7 +18,7 @@ from hil.setup.options import UrlOptions, read_options
 from hil.wire.ownership import own_port
 
 if TYPE_CHECKING:
-    from cosim.base.pulse import Pulse
+    from cosim.base.system.pulse import Pulse
 
 PATIENCE = 60.0
 """In lock-step: how long to wait for bytes that the emulator is known to have sent (s)."""

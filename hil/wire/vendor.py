@@ -14,8 +14,8 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag
 
+from cosim.base.document.form import Form, QuantityIn, mapping_tag
 from cosim.base.errors import InputError
-from cosim.base.form import Form, QuantityIn, mapping_tag
 from hil.safety.conversion import VoltageDrive
 from hil.safety.linkage import Pair
 from hil.setup.device_file import Joint

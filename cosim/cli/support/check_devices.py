@@ -10,7 +10,7 @@ from cosim.base.errors import InputError
 from cosim.scenario import Kind, Scenario
 
 if TYPE_CHECKING:
-    from cosim.base.problems import Problems
+    from cosim.base.document.problems import Problems
     from cosim.master.run.simulation import Simulation
     from hil.device.component import DeviceComponent
 
@@ -37,7 +37,7 @@ class DeviceJudge:
         if all(part.kind is not Kind.DEVICE for part in scenario.components.values()):
             return []
         from cosim.analysis.device_latency import latency_warnings
-        from cosim.base.problems import Problems
+        from cosim.base.document.problems import Problems
         from cosim.preparation.device_geometry import Lengths, judge_geometry
 
         devices = _devices(scenario, simulation)

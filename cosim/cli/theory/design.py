@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from cosim.base.errors import InputError
-from cosim.base.writing import writing
+from cosim.base.system.writing import writing
 from cosim.cli.support.command import Command
 from cosim.cli.support.values import Number, OutputFile
 from cosim.cli.theory.options import Loop, describe, emit, loop_options

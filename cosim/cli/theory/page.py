@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from cosim.base.writing import writing
+from cosim.base.system.writing import writing
 from cosim.cli.support.command import Command
 from cosim.cli.support.values import OutputFile
 

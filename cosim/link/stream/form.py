@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from cosim.base.form import Form, QuantityIn
+from cosim.base.document.form import Form, QuantityIn
 
 Samples = Annotated[
     int,

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from typing import Any
 
+from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import Location
-from cosim.base.form import plain_node, read_form
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import LossPolicy
 from cosim.link.stream.receiver import Release

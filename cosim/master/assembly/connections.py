@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from cosim.base.component import Causality, Role, Variable, VariableType
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.problems import Problems
+from cosim.base.quantities.units import Unit, conversion
 from cosim.base.suggest import did_you_mean
-from cosim.base.units import Unit, conversion
-from cosim.master.assembly.interface import Element, Interface, Selection
 from cosim.master.assembly.wiring import (
     Bundle,
     Entry,
@@ -22,6 +21,7 @@ from cosim.master.assembly.wiring import (
     Wiring,
 )
 from cosim.master.channels.fates import Fates, fates_of
+from cosim.master.components.interface import Element, Interface, Selection
 from cosim.scenario import Connection, Direction, Kind, Scenario
 
 _AGE = {"age": "ticks since the held packet was sampled", "sequence": "number of the held packet"}

@@ -6,9 +6,9 @@ from collections.abc import Generator, Mapping
 from typing import Any, cast
 
 from cosim.base.component import Causality
+from cosim.base.document.show import show
 from cosim.base.meaning import Meaning
-from cosim.base.show import show
-from cosim.master.assembly.participants import Participant
+from cosim.master.components.participants import Participant
 from cosim.scenario import Scenario
 
 

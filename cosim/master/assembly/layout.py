@@ -6,9 +6,9 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from cosim.master.assembly.interface import has_cells, size_of
 from cosim.master.assembly.plan import Act, Part, Plan
 from cosim.master.assembly.wiring import Held, Signal, Source, Wiring
+from cosim.master.components.interface import has_cells, size_of
 
 
 @dataclass(slots=True)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 
 from cosim.base.errors import InputError
-from cosim.master.assembly.interface import Interface
 from cosim.master.assembly.wiring import Held, Signal, Wiring
+from cosim.master.components.interface import Interface
 
 Unit = str | int
 """A component's name, or a bundle's number."""

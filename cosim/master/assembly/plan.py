@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.component import Causality
-from cosim.master.assembly.interface import Interface
 from cosim.master.assembly.ordering import Atom, Graph, Stage, build_graph, order, refuse_loop
 from cosim.master.assembly.wiring import Wiring
+from cosim.master.components.interface import Interface
 
 
 class Act(Enum):

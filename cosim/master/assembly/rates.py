@@ -12,10 +12,10 @@ from fractions import Fraction
 from math import isclose
 
 from cosim.base.component import Causality
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning
-from cosim.base.problems import Problems
-from cosim.master.assembly.participants import Participant
+from cosim.master.components.participants import Participant
 from cosim.scenario import Scenario
 
 

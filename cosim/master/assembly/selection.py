@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from cosim.base.component import Causality
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.problems import Problems
 from cosim.base.recording import Column, RecordGroup
 from cosim.base.suggest import did_you_mean, index_hint
-from cosim.master.assembly.interface import Interface
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
+from cosim.master.components.interface import Interface
 from cosim.scenario import Scenario
 
 _FACTS = {

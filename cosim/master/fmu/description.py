@@ -13,10 +13,10 @@ from typing import Any
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
-from cosim.base.quantity import exact
-from cosim.base.units import BASES, Unit, unit_of
-from cosim.master.assembly.interface import Interface
-from cosim.master.assembly.parameters import misfit
+from cosim.base.quantities.quantity import exact
+from cosim.base.quantities.units import BASES, Unit, unit_of
+from cosim.master.components.interface import Interface
+from cosim.master.components.parameters import misfit
 from cosim.master.fmu.meanings import NOTHING, Meant, read_meanings
 
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}

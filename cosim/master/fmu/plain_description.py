@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from cosim.base.component import Causality, Role, Variable, VariableType
 from cosim.base.meaning import NO_SLOT, Meaning, Slot
-from cosim.base.units import Unit
+from cosim.base.quantities.units import Unit
 from cosim.master.fmu.description import FmuDescription
 
 _VARIABLE = tuple(field.name for field in fields(Variable))

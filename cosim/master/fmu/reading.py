@@ -8,8 +8,9 @@ from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from cosim.base import component, meaning, units
-from cosim.base.store import keep, recall
+from cosim.base import component, meaning
+from cosim.base.quantities import units
+from cosim.base.system.store import keep, recall
 from cosim.master.fmu import description as parser
 from cosim.master.fmu import meanings, plain_description
 from cosim.master.fmu.archive import sha256_of, unpack

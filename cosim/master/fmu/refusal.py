@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from cosim.base.document.node import PathKey
 from cosim.base.errors import InputError
-from cosim.base.node import PathKey
 from cosim.scenario import Scenario
 
 

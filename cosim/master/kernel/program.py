@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Cells, VariableType
 from cosim.master.assembly.clock import Clock
-from cosim.master.assembly.interface import size_of
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.plan import Act, Action, Part, Plan, due_together
 from cosim.master.assembly.wiring import Wire, Wiring
 from cosim.master.channels.packets import Packets
+from cosim.master.components.interface import size_of
 from cosim.master.kernel.native import (
     FMI2_TYPE_CODES,
     TYPE_CODES,

@@ -11,7 +11,7 @@ from cosim.base.component import Component
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.resumable import Resumable, not_plain
 from cosim.master.assembly.assemble import Assembly
-from cosim.master.assembly.python_component import sentences
+from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.kernel.program import Program
 from cosim.master.run.fingerprint import components_of, difference, plan_digest

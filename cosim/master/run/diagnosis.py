@@ -6,7 +6,7 @@ import numpy as np
 
 from cosim.base.component import VariableType
 from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
-from cosim.master.assembly.interface import Element
+from cosim.master.components.interface import Element
 from cosim.master.assembly.plan import Act
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import STATUS_NAMES

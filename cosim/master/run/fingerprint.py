@@ -8,9 +8,9 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from cosim.master.assembly.assemble import Assembly
-from cosim.master.assembly.participants import Participant
 from cosim.master.assembly.plan import Action
 from cosim.master.assembly.wiring import Bundle
+from cosim.master.components.participants import Participant
 
 
 def plan_digest(assembly: Assembly) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from cosim.base.component import Causality, Component, Role
 from cosim.base.errors import RunError
-from cosim.master.assembly.interface import Element, has_cells, size_of
+from cosim.master.components.interface import Element, has_cells, size_of
 from cosim.master.kernel.program import Call, Program
 from cosim.master.run.diagnosis import moment
 

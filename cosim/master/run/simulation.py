@@ -13,14 +13,15 @@ from typing import Protocol
 
 from cosim.base.component import Component
 from cosim.base.errors import EndAsked, InputError, RunError
-from cosim.base.garbage import without_collecting
+from cosim.base.system.garbage import without_collecting
 from cosim.base.recording import Forgetful, RecordGroup, Rows, Sink
+from cosim.base.system.garbage import without_collecting
 from cosim.master.assembly.assemble import Assembly, put_together
-from cosim.master.assembly.interface import has_cells
-from cosim.master.assembly.parameters import element_start
-from cosim.master.assembly.participants import Factory, setup_of
-from cosim.master.assembly.python_component import sentences
 from cosim.master.channels.packets import PacketCount
+from cosim.master.components.interface import has_cells
+from cosim.master.components.parameters import element_start
+from cosim.master.components.participants import Factory, setup_of
+from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal

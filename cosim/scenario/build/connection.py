@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from cosim.base.node import PathKey
+from cosim.base.document.node import PathKey
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ConnectionForm

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
-from cosim.base.node import Node, PathKey
-from cosim.base.problems import Problems
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.problems import Problems
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.timebase import Timebase
 from cosim.scenario.form.document import Document

@@ -8,9 +8,9 @@ from typing import Any, cast
 
 from pydantic import ValidationError
 
-from cosim.base.form import ready
-from cosim.base.node import Node, PathKey
-from cosim.base.problems import Problems, independent
+from cosim.base.document.form import ready
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.problems import Problems, independent
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.channel import ChannelProblem, directions
 from cosim.scenario.build.component import build_component

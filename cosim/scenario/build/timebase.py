@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, gcd, lcm
 
-from cosim.base.quantity import format_exact
+from cosim.base.quantities.quantity import format_exact
 from cosim.scenario.form.fields import Lag
 from cosim.scenario.model import Delay
 

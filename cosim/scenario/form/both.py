@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 from pydantic import Field
 
-from cosim.base.form import Form
+from cosim.base.document.form import Form
 
 T = TypeVar("T")
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, cast
 
 from pydantic import BaseModel, Discriminator, Field, Tag, create_model, model_validator
 
+from cosim.base.document.form import Form, problem
 from cosim.base.errors import InputError
-from cosim.base.form import Form, problem
 from cosim.scenario.form.both import Both
 from cosim.scenario.form.fields import Delay, Name, Rate
 from cosim.scenario.impairments.registry import DELAY_FORMS, impairments, replaced_by

@@ -20,8 +20,8 @@ from pydantic import (
     model_validator,
 )
 
-from cosim.base.form import Form, mapping_tag, problem
-from cosim.base.show import describe
+from cosim.base.document.form import Form, mapping_tag, problem
+from cosim.base.document.show import describe
 from cosim.scenario.form.channel import ChannelForm, channel_form
 from cosim.scenario.form.fields import (
     Delay,

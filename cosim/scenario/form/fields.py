@@ -11,9 +11,9 @@ from typing import Annotated, Any, Literal, cast
 
 from pydantic import PlainValidator, WithJsonSchema
 
-from cosim.base.form import problem
-from cosim.base.quantity import QuantityError, quantity, split_quantity
-from cosim.base.show import describe
+from cosim.base.document.form import problem
+from cosim.base.document.show import describe
+from cosim.base.quantities.quantity import QuantityError, quantity, split_quantity
 from cosim.scenario.model import Reference, Value
 
 NAME = r"[A-Za-z][A-Za-z0-9_]*"

@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from cosim.base.node import Node
+from cosim.base.document.node import Node
 
 SECTIONS = ("safety", "realtime", "link", "expect")
 

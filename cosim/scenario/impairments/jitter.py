@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Discriminator, Field, Tag
 
-from cosim.base.form import Form
+from cosim.base.document.form import Form
 from cosim.scenario.form.fields import Delay, Lag, Probability, Span
 from cosim.scenario.impairments.effect import Average, Draw, Effect, PacketBlock
 from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting

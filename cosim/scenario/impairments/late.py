@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag
 
-from cosim.base.form import Form, mapping_tag
+from cosim.base.document.form import Form, mapping_tag
 from cosim.scenario.form.fields import Delay, Lag, Probability
 from cosim.scenario.impairments.impairment import Setting
 

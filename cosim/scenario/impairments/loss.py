@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Discriminator, Tag
 
-from cosim.base.form import Form, mapping_tag
+from cosim.base.document.form import Form, mapping_tag
 from cosim.scenario.form.fields import Probability
 from cosim.scenario.impairments.effect import Average, Draw, Effect, PacketBlock
 from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import import_module
 
 from cosim.base.errors import InputError
-from cosim.base.installed import registered
+from cosim.base.system.installed import registered
 from cosim.scenario.impairments.impairment import Impairment
 
 GROUP = "cohaptic.impairments"

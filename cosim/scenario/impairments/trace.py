@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Discriminator, Field, Tag
 
 from cosim.base.errors import InputError, Location
-from cosim.base.quantity import QuantityError, quantity
+from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.scenario.form.fields import Lag, Packet
 from cosim.scenario.impairments.effect import LOST, Average, Draw, Effect, PacketBlock
 from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting

@@ -8,9 +8,9 @@ from os import PathLike, fspath
 from os.path import relpath
 from pathlib import Path
 
+from cosim.base.document.text_file import STANDARD_INPUT
 from cosim.base.errors import InputError, Location
 from cosim.base.suggest import nearest
-from cosim.base.text_file import STANDARD_INPUT
 
 
 def bundled_folder() -> Path:

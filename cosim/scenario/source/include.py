@@ -5,11 +5,11 @@ from __future__ import annotations
 from os import PathLike, fspath
 from pathlib import Path
 
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.show import show
+from cosim.base.document.yaml_reader import read_yaml
 from cosim.base.errors import InputError, Location
-from cosim.base.node import Node, PathKey
-from cosim.base.show import show
 from cosim.base.suggest import did_you_mean
-from cosim.base.yaml_reader import read_yaml
 from cosim.scenario.source.find import bundled_folder, find_file, folder_of, shown_name
 from cosim.scenario.source.merge import merge, normalise
 

@@ -10,8 +10,8 @@ Mappings merge member by member, ``~`` removes, everything else replaces. Four p
 
 from __future__ import annotations
 
+from cosim.base.document.node import Node, PathKey
 from cosim.base.errors import InputError
-from cosim.base.node import Node, PathKey
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.source.notation import as_mapping, components_in
 

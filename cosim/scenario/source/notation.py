@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from cosim.base.node import Node
+from cosim.base.document.node import Node
 
 CLAUSES = {"via": "via", "at": "rate", "delay": "delay", "initial": "initial"}
 """Word in the one-line form -> key in the mapping form."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Generator
 from pathlib import Path
 
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.yaml_reader import parse_yaml
 from cosim.base.errors import InputError, Location
-from cosim.base.node import Node, PathKey
 from cosim.base.suggest import did_you_mean
-from cosim.base.yaml_reader import parse_yaml
 from cosim.scenario.source.include import expand
 from cosim.scenario.source.merge import is_dotted, merge, normalise
 

@@ -8,8 +8,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from cosim.base.document.form import Form, QuantityIn, problem
 from cosim.base.errors import InputError
-from cosim.base.form import Form, QuantityIn, problem
 from hil.drivers.canopen.layout import Layout, layout
 from hil.drivers.canopen.protocol import LAST_NODE
 from hil.safety.conversion import VoltageDrive

@@ -12,8 +12,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
+from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
-from cosim.base.form import QuantityIn
 from hil.device.contract import NOTHING, ZERO, Received, Sample
 from hil.device.driver import Driver
 from hil.device.errors import ProtocolError

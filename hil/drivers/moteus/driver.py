@@ -17,8 +17,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
+from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
-from cosim.base.form import QuantityIn
 from hil.device.contract import NOTHING, ZERO, Received, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError, DeviceGone, ProtocolError

@@ -14,8 +14,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
+from cosim.base.document.form import Form, QuantityIn, problem
 from cosim.base.errors import InputError
-from cosim.base.form import Form, QuantityIn, problem
 from hil.device.contract import ZERO, BusUse, Received, Sample, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError

@@ -14,8 +14,8 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
-from cosim.base.form import QuantityIn
 from hil.device.contract import Received
 from hil.device.errors import DeviceGone
 from hil.drivers.card import CardDriver

@@ -8,14 +8,14 @@ import sys
 
 import pytest
 
-from cosim.base import processors
+from cosim.base.system import processors
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="claims are file locks")
 
 HOLD = """
 import sys
 from pathlib import Path
-from cosim.base.processors import claim
+from cosim.base.system.processors import claim
 print(claim([0, 1], Path(sys.argv[1])), flush=True)
 sys.stdin.read()
 """

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from cosim.base.pulse import Pulse
+from cosim.base.system.pulse import Pulse
 from hil.device.contract import Watchdog
 from hil.device.device import Device
 from hil.device.errors import ActivationRefused

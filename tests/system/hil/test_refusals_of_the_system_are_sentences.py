@@ -8,7 +8,7 @@ import sys
 
 CODE = """
 import json, os, resource, sys
-from cosim.base.grants import prepare_loop
+from cosim.base.system.grants import prepare_loop
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 resource.setrlimit(resource.RLIMIT_MEMLOCK, (0, 0))
 if os.getuid() == 0:
@@ -36,7 +36,7 @@ def test_a_user_without_privileges_is_told_how_to_get_them():
 def test_the_only_processor_is_never_pinned_to():
     code = (
         "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n"
-        "from cosim.base.grants import pin; print(pin())"
+        "from cosim.base.system.grants import pin; print(pin())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "one processor only" in done.stdout

@@ -9,7 +9,7 @@ from contextlib import suppress
 
 import pytest
 
-from cosim.base.pulse import RUNNING, Pulse
+from cosim.base.system.pulse import RUNNING, Pulse
 from cosim.realtime.supervisor import supervise
 from hil.device.contract import State
 from hil.device.errors import DeviceFault

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from cosim.base.errors import InputError
-from cosim.base.pulse import Pulse
+from cosim.base.system.pulse import Pulse
 from cosim.cli import cli
 from hil.device.contract import State, Watchdog
 from hil.device.device import Device

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.base.installed import registered, version_of
+from cosim.base.system.installed import registered, version_of
 
 
 @pytest.mark.parametrize("group", ["cohaptic.devices", "console_scripts", "pytest11", "no.such"])
@@ -52,7 +52,7 @@ def test_a_package_is_found_wherever_it_lies(
 
 def test_a_group_that_nobody_registers_costs_no_import() -> None:
     code = (
-        "import sys; from cosim.base.installed import registered; "
+        "import sys; from cosim.base.system.installed import registered; "
         "assert registered('no.such') == (); print('importlib.metadata' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

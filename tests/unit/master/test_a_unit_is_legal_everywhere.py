@@ -14,8 +14,8 @@ import pytest
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable
 from cosim.base.errors import InputError
-from cosim.base.units import Unit, conversion, parse_unit, symbols, unit_of
-from cosim.master.assembly.parameters import SETTABLE, resolve_values
+from cosim.base.quantities.units import Unit, conversion, parse_unit, symbols, unit_of
+from cosim.master.components.parameters import SETTABLE, resolve_values
 from tests.support.master.master_support import run, scenario_of
 
 ROOT = Path(__file__).parents[3]
@@ -134,7 +134,5 @@ def test_a_connection_from_rpm_to_rad_per_second_converts(tmp_path: Path):
 
 
 def test_units_need_the_standard_library_alone():
-    program = (
-        "import sys; sys.path.insert(0, sys.argv[1]); import cosim.base.units, fmus.description"
-    )
+    program = "import sys; sys.path.insert(0, sys.argv[1]); import cosim.base.quantities.units, fmus.description"
     subprocess.run([sys.executable, "-I", "-S", "-c", program, str(ROOT)], check=True)

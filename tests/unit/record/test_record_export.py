@@ -18,9 +18,9 @@ from scipy.io import loadmat
 
 from cosim.base.errors import InputError
 from cosim.record import open_run
-from cosim.record.export import MATLAB_NAME_LENGTH, export, matlab_names
-from cosim.record.export_mcap import ros_names
-from cosim.record.export_table import Table
+from cosim.record.export.formats import MATLAB_NAME_LENGTH, export, matlab_names
+from cosim.record.export.mcap import ros_names
+from cosim.record.export.table import Table
 
 
 def read_csv(path: Path) -> tuple[list[str], list[str], np.ndarray]:

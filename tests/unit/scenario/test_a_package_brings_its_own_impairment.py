@@ -29,7 +29,7 @@ from typing import ClassVar
 
 from cosim.base.counter import happens
 from cosim.scenario.form.fields import Delay, Probability
-from cosim.base.form import Form
+from cosim.base.document.form import Form
 from cosim.scenario.impairments import Average, Effect, Impairment, ImpairmentProblem
 
 

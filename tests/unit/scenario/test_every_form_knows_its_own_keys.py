@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from cosim.base.problems import known_keys
+from cosim.base.document.problems import known_keys
 from cosim.scenario.form.document import document_form
 
 CHANNEL: dict[str, Any] = {"between": ["a", "b"]}

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cosim.base.document.node import Node
 from cosim.base.errors import InputError, Location
-from cosim.base.node import Node
 from cosim.scenario import Kind, Scenario
 from cosim.scenario.impairments.loss import Bernoulli
 from cosim.scenario.impairments.trace import Trace

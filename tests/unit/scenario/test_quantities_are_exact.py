@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.base.quantity import (
+from cosim.base.quantities.quantity import (
     QuantityError,
     exact,
     format_exact,
     quantity,
     split_quantity,
 )
-from cosim.base.units import BASES, parse_unit
+from cosim.base.quantities.units import BASES, parse_unit
 
 EXAMPLES = [
     ("2.44 ms", "s", Fraction(244, 100_000)),

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.base import yaml_reader
+from cosim.base.document import yaml_reader
+from cosim.base.document.node import Node
+from cosim.base.document.yaml_quick import MAX_DEPTH, compose_quickly
+from cosim.base.document.yaml_reader import parse_carefully, parse_yaml
 from cosim.base.errors import InputError
-from cosim.base.node import Node
-from cosim.base.yaml_quick import MAX_DEPTH, compose_quickly
-from cosim.base.yaml_reader import parse_carefully, parse_yaml
 
 ROOT = Path(cosim.__file__).parents[1]
 FILES = sorted(

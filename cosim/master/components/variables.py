@@ -8,11 +8,11 @@ from math import prod
 from typing import Any, cast
 
 from cosim.base.component import Causality, Component, Variable, VariableType
+from cosim.base.document.show import describe, show
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
-from cosim.base.show import describe, show
 from cosim.base.suggest import did_you_mean
-from cosim.master.assembly.blame import written_at
+from cosim.master.components.blame import written_at
 
 
 def checked_variables(component: Component) -> dict[str, Variable]:

@@ -13,7 +13,7 @@ import pytest
 
 import fmus
 import fmus.probe
-from cosim.base.store import keep, recall
+from cosim.base.system.store import keep, recall
 from cosim.master.fmu import reading
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.reading import read_description

@@ -16,11 +16,11 @@ from typing import Any, ClassVar, TypeVar, cast
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.problems import Problems, independent
+from cosim.base.document.show import describe
 from cosim.base.errors import Location
-from cosim.base.node import Node, PathKey
-from cosim.base.problems import Problems, independent
-from cosim.base.quantity import QuantityError, quantity
-from cosim.base.show import describe
+from cosim.base.quantities.quantity import QuantityError, quantity
 
 _PLUGINS = "PYDANTIC_DISABLE_PLUGINS"
 _TEXT = r"^\s*[+-]?[0-9.]+([eE][+-]?[0-9]+)?(\s*/\s*[0-9]+)?\s*"

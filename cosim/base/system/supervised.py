@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol, runtime_checkable
 
-from cosim.base.pulse import Pulse
+from cosim.base.system.pulse import Pulse
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ from typing import Any
 from cosim import scenario as scenarios
 from cosim.base.component import Causality, Component, Setup
 from cosim.base.counter import stream_key
+from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.problems import Problems
-from cosim.master.assembly import python_component as python
 from cosim.master.assembly.clock import Clock
-from cosim.master.assembly.interface import Interface
-from cosim.master.assembly.parameters import SETTABLE, STARTABLE, resolve_values
+from cosim.master.components import python_component as python
+from cosim.master.components.interface import Interface
+from cosim.master.components.parameters import SETTABLE, STARTABLE, resolve_values
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.instance import choose_substeps, find_binary
 from cosim.master.fmu.reading import read_description

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from cosim.base.processors import claim
+from cosim.base.system.processors import claim
 
 LOOP_PRIORITY = 70
 SUPERVISOR_PRIORITY = 75

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from cosim.base.typography import comma_in_number, odd_characters
+from cosim.base.document.typography import comma_in_number, odd_characters
 
 CLOSING = {"[": "]", "{": "}"}
 

@@ -12,12 +12,12 @@ from types import MappingProxyType
 from typing import Any
 
 from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.document.show import show, truth_hint
 from cosim.base.errors import InputError
-from cosim.base.quantity import QuantityError, quantity
-from cosim.base.show import show, truth_hint
+from cosim.base.quantities.quantity import QuantityError, quantity
+from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean, index_hint
-from cosim.base.units import Unit, unit_of
-from cosim.master.assembly.interface import size_of, variable_elements
+from cosim.master.components.interface import size_of, variable_elements
 
 _INDEXED = re.compile(r"(.+)\[\d+(?:,\d+)*\]")
 """An element; ``p[Color.red]`` is a name of its own."""

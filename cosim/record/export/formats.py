@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.base.writing import writing
-from cosim.record.export_mcap import write_mcap
-from cosim.record.export_mdf import write_mdf
-from cosim.record.export_table import Table, needed
+from cosim.base.system.writing import writing
+from cosim.record.export.mcap import write_mcap
+from cosim.record.export.mdf import write_mdf
+from cosim.record.export.table import Table, needed
 from cosim.record.reader import Run
 
 MATLAB_NAME_LENGTH = 63

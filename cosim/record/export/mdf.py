@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from cosim.record.export_table import Table, needed
+from cosim.record.export.table import Table, needed
 
 VERSION = "4.10"
 

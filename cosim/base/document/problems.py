@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
+from cosim.base.document.node import Node, PathKey
+from cosim.base.document.show import describe, truth_hint
+from cosim.base.document.typography import odd_characters
 from cosim.base.errors import InputError, InputErrors, Location
-from cosim.base.node import Node, PathKey
-from cosim.base.show import describe, truth_hint
 from cosim.base.suggest import did_you_mean
-from cosim.base.typography import odd_characters
 
 
 class Problems:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.record.export_table import Table, needed
+from cosim.record.export.table import Table, needed
 
 CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 NANOSECONDS = 1_000_000_000

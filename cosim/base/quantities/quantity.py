@@ -1,6 +1,6 @@
 """Numbers with units: ``2.44 ms``, ``1024/3 Hz``, ``20 %``, ``0.4 N.s/m``; plain numbers are SI.
 
-Values are exact fractions until something asks for a float. ``cosim.base.units`` says how units
+Values are exact fractions until something asks for a float. ``cosim.base.quantities.units`` says how units
 are written.
 """
 
@@ -10,10 +10,10 @@ import math
 import re
 from fractions import Fraction
 
-from cosim.base.show import show
-from cosim.base.typography import comma_in_number, odd_characters
-from cosim.base.unit_hint import unit_hint
-from cosim.base.units import Unit, UnitError, parse_unit, unit_of
+from cosim.base.document.show import show
+from cosim.base.document.typography import comma_in_number, odd_characters
+from cosim.base.quantities.unit_hint import unit_hint
+from cosim.base.quantities.units import Unit, UnitError, parse_unit, unit_of
 
 _NUMBER = re.compile(
     r"\s*(?P<number>[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?)"

@@ -7,12 +7,12 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from cosim.base.document.node import Node, Scalar
+from cosim.base.document.text_file import read_text
+from cosim.base.document.yaml_quick import compose_quickly
+from cosim.base.document.yaml_sentence import sentence, without_value
+from cosim.base.document.yaml_tabs import tab_scanner
 from cosim.base.errors import InputError, Location
-from cosim.base.node import Node, Scalar
-from cosim.base.text_file import read_text
-from cosim.base.yaml_quick import compose_quickly
-from cosim.base.yaml_sentence import sentence, without_value
-from cosim.base.yaml_tabs import tab_scanner
 
 MAX_NODES = 100_000
 """Aliases are expanded; a file that expands to more than this is refused."""

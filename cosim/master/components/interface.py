@@ -15,8 +15,8 @@ from math import prod
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
+from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean, index_hint
-from cosim.base.units import Unit, unit_of
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
 _WITHOUT_CELL = {VariableType.STRING, VariableType.BINARY}

@@ -12,11 +12,11 @@ from typing import Any
 
 from cosim.base.component import Causality, Component, Variable
 from cosim.base.errors import CohapticError, InputError, RunError
-from cosim.base.installed import registered
 from cosim.base.suggest import did_you_mean
-from cosim.master.assembly.blame import told
-from cosim.master.assembly.interface import Interface
-from cosim.master.assembly.variables import checked_variables
+from cosim.base.system.installed import registered
+from cosim.master.components.blame import told
+from cosim.master.components.interface import Interface
+from cosim.master.components.variables import checked_variables
 
 DEVICES = "cohaptic.devices"
 COMPONENTS = "cohaptic.components"

@@ -1,0 +1,1 @@
+"""cosim.record.export.formats"""

@@ -1,0 +1,1 @@
+"""tests.unit.fmu_calls"""

@@ -1,0 +1,1 @@
+"""tests.unit.python_components"""
