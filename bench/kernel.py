@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from cosim.base.recording import MemorySink
-from cosim.master.kernel.native import Kind, OperationStruct
+from cosim.master.kernel.native import OperationKind, OperationStruct
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
 from fmus.compiler import compile_library, host_platform
@@ -95,24 +95,31 @@ def statements(simulation: Simulation) -> list[str]:
 
 def statement(simulation: Simulation, operation: OperationStruct, base: int) -> str:
     """What the bare loop does in place of one operation."""
-    kind = Kind(operation.kind)
-    if kind is Kind.COPY:
+    kind = OperationKind(operation.kind)
+    if kind is OperationKind.COPY:
         return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation))
-    if kind in {Kind.SET, Kind.GET, Kind.SET_FLOAT64, Kind.GET_FLOAT64}:
+    if kind in {
+        OperationKind.SET,
+        OperationKind.GET,
+        OperationKind.SET_FLOAT64,
+        OperationKind.GET_FLOAT64,
+    }:
         return access(simulation, operation, kind, (operation.cells - base) // 8)
-    if kind is Kind.STEP:
+    if kind is OperationKind.STEP:
         return step(simulation, operation)
-    if kind in {Kind.DELIVER, Kind.SAMPLE, Kind.SEND}:
+    if kind in {OperationKind.DELIVER, OperationKind.SAMPLE, OperationKind.SEND}:
         return packet(simulation, operation, kind)
-    if kind is Kind.RECORD:
+    if kind is OperationKind.RECORD:
         return ""
     raise SystemExit(f"the bare loop cannot do {kind.name}: choose a scenario of FMUs only")
 
 
-def access(simulation: Simulation, operation: OperationStruct, kind: Kind, first: int) -> str:
+def access(
+    simulation: Simulation, operation: OperationStruct, kind: OperationKind, first: int
+) -> str:
     instance = simulation.program.instances[operation.owner].instance
     n, values = operation.reference_count, operation.cell_count
-    direct = kind in {Kind.SET_FLOAT64, Kind.GET_FLOAT64}
+    direct = kind in {OperationKind.SET_FLOAT64, OperationKind.GET_FLOAT64}
     buffer = f"c + {first}" if direct else f"P(void *, {operation.scratch}ULL)"
     more = f", {values}" if operation.version == 3 else ""
     call = (
@@ -124,7 +131,7 @@ def access(simulation: Simulation, operation: OperationStruct, kind: Kind, first
     kind_name, field = C_TYPES[operation.type], "r" if operation.type == 1 else "i"
     scratch = f"P({kind_name} *, {operation.scratch}ULL)"
     loop = f"for (int j = 0; j < {values}; j++)"
-    if kind is Kind.SET:
+    if kind is OperationKind.SET:
         return f"{loop} {scratch}[j] = ({kind_name})c[{first} + j].{field}; {call}"
     return f"{call} {loop} c[{first} + j].{field} = {scratch}[j];"
 
@@ -147,7 +154,7 @@ def step(simulation: Simulation, operation: OperationStruct) -> str:
     return " ".join(lines)
 
 
-def packet(simulation: Simulation, operation: OperationStruct, kind: Kind) -> str:
+def packet(simulation: Simulation, operation: OperationStruct, kind: OperationKind) -> str:
     """A constant delay, as a ring that is as long as it has to be."""
     number = operation.owner
     bundle = simulation.assembly.wiring.bundles[number]
@@ -158,9 +165,9 @@ def packet(simulation: Simulation, operation: OperationStruct, kind: Kind) -> st
     slots = delay // period + 1
     sources = [layout.of(entry.source) for entry in bundle.entries]
     held = layout.held[number]
-    if kind is Kind.SAMPLE:
+    if kind is OperationKind.SAMPLE:
         return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation))
-    if kind is Kind.SEND:
+    if kind is OperationKind.SEND:
         if delay == 0:
             return ""
         row = f"ring{number} + (k / {period}) % {slots} * {width}"

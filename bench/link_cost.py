@@ -20,13 +20,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.base.component import Causality, Setup, VariableType
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address, UdpTransport, open_socket
 from cosim.station.admission import CompiledAdmission
-from cosim.testing.impairment import Impairment
+from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.support import PERIOD, TICK, both_ends
 from tests.support.link.world import SimulatedStation, run, share_session
@@ -42,7 +42,7 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
     second = open_socket(local, Address(*first.getsockname()))
     first.connect(second.getsockname())
     bundles = {
-        s: Bundle(
+        s: PacketBundle(
             source=s,
             target=t,
             fields=tuple(
@@ -130,7 +130,7 @@ def cost(*, cold: bool) -> dict[str, float]:
 def ages(delay: float, jitter: float) -> tuple[float, float, float]:
     """Mean age at use (ms) over a minute, mean wire time (ms), the ideal age (ms)."""
     network = Network()
-    network.join("a", "b", Impairment(delay=delay, jitter=jitter))
+    network.join("a", "b", BadNetwork(delay=delay, jitter=jitter))
     clocks = SkewedClock(0), SkewedClock(10**12, 20e-6)
     a, b = (
         SimulatedStation(*names, network, clock)

@@ -26,7 +26,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 from cosim.link.wire.transport import Address
 from cosim.testing.proxy import Proxy
 from tests.timed.link.test_two_processes import COMMAND, free_ports
@@ -42,7 +42,7 @@ class Pass:
         self.packets: list[bytes] = []
 
     def take(self, datagram: bytes, now: int) -> list[tuple[int, bytes]]:
-        if datagram[3] == Kind.DATA:
+        if datagram[3] == PacketKind.DATA:
             self.packets.append(datagram)
         return [(now, datagram)]
 

@@ -44,7 +44,7 @@ class Finished:
     error: CohapticError | None
 
 
-class Watcher(Protocol):
+class RunWatcher(Protocol):
     """Follows a run from outside of its process."""
 
     @property
@@ -70,7 +70,7 @@ class _FolderRecorder(Recorder):
         out: Path | None,
         manifest: dict[str, Any],
         began: float,
-        watcher: Watcher | None,
+        watcher: RunWatcher | None,
     ) -> None:
         super().__init__(Path(RUN_FILE), scenario.ticks)
         self.folder: Path | None = None
@@ -105,7 +105,7 @@ def run_scenario(
     judge: Judge | None = None,
     say: Callable[[str], None] | None = None,
     link: Callable[[], Mapping[str, Any]] | None = None,
-    watcher: Watcher | None = None,
+    watcher: RunWatcher | None = None,
 ) -> Finished:
     """Run a scenario into ``out``, or into the next free ``runs/<scenario>-<n>``.
 

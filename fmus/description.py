@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 
 from cosim.base.quantities.units import BASES, parse_unit
-from fmus.layout import Element, Layout, Placed, elements_of
+from fmus.layout import Placed, SlotElement, SlotLayout, elements_of
 
 LOG_CATEGORIES = {
     "logInfo": "What a model says for information",
@@ -39,7 +39,7 @@ def add(parent: ET.Element, tag: str, **attributes: str | None) -> ET.Element:
     return ET.SubElement(parent, tag, given)
 
 
-def add_units(parent: ET.Element, layout: Layout) -> None:
+def add_units(parent: ET.Element, layout: SlotLayout) -> None:
     """``UnitDefinitions`` with the exponents of the base units."""
     if not layout.units:
         return
@@ -68,7 +68,7 @@ def add_log_categories(parent: ET.Element) -> None:
         add(categories, "Category", name=name, description=description)
 
 
-def add_meanings(parent: ET.Element, elements: list[Element]) -> None:
+def add_meanings(parent: ET.Element, elements: list[SlotElement]) -> None:
     """``Meaning`` for each element that has one; ``element`` numbers those of an array from 1."""
     for element in elements:
         if element.meaning is not None:
@@ -82,12 +82,12 @@ def add_meanings(parent: ET.Element, elements: list[Element]) -> None:
             ).text = element.meaning.value
 
 
-def feedthrough(layout: Layout, placed: Placed) -> list[Placed]:
+def feedthrough(layout: SlotLayout, placed: Placed) -> list[Placed]:
     """The inputs that an output depends on within a tick."""
     return list(layout.matching(placed.variable.depends_on, placed.group))
 
 
-def initial_dependencies(layout: Layout, placed: Placed) -> list[Placed]:
+def initial_dependencies(layout: SlotLayout, placed: Placed) -> list[Placed]:
     """What an output or calculated parameter depends on in initialisation mode.
 
     The inputs it depends on directly, those that prime it, and every parameter: which of them
@@ -104,7 +104,7 @@ def is_unknown_at_start(placed: Placed) -> bool:
     return placed.variable.causality in {"output", "calculatedParameter"}
 
 
-def scalars(places: Iterable[Placed]) -> list[Element]:
+def scalars(places: Iterable[Placed]) -> list[SlotElement]:
     """All elements of some variables, one by one."""
     return [element for placed in places for element in elements_of(placed)]
 
@@ -116,7 +116,7 @@ def number_text(value: float | int | bool | str | None) -> str:
     return str(value) if isinstance(value, str) else repr(value)
 
 
-def start_text(element: Element) -> str | None:
+def start_text(element: SlotElement) -> str | None:
     """The start value of an element, ``None`` where it has none."""
     variable, start = element.variable, element.start
     if variable.causality not in {"parameter", "input"}:
@@ -130,7 +130,7 @@ def start_text(element: Element) -> str | None:
     return number_text(int(start or 0))
 
 
-def limit_text(element: Element, limit: float | None) -> str | None:
+def limit_text(element: SlotElement, limit: float | None) -> str | None:
     """A minimum or maximum in the variable's own type."""
     if limit is None:
         return None

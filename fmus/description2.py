@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 from fmus import description
 from fmus.description import add
-from fmus.layout import Element, Layout, Placed
+from fmus.layout import Placed, SlotElement, SlotLayout
 from fmus.table import Model
 
 _TAG = {
@@ -23,7 +23,7 @@ def model_description(model: Model, *, token: str) -> bytes:
 
     The variable ``time`` is left out: FMI 2.0 does not need it.
     """
-    layout = Layout(model)
+    layout = SlotLayout(model)
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -55,7 +55,7 @@ def model_description(model: Model, *, token: str) -> bytes:
     return description.to_text(root)
 
 
-def _add_types(root: ET.Element, layout: Layout) -> None:
+def _add_types(root: ET.Element, layout: SlotLayout) -> None:
     if not layout.enumerations:
         return
     definitions = add(root, "TypeDefinitions")
@@ -71,7 +71,7 @@ def _add_types(root: ET.Element, layout: Layout) -> None:
             add(kind, "Item", name=item.name, value=str(item.value), description=item.description)
 
 
-def _add_variable(variables: ET.Element, element: Element) -> None:
+def _add_variable(variables: ET.Element, element: SlotElement) -> None:
     variable = element.variable
     fixed = variable.causality in {"parameter", "calculatedParameter"}
     scalar = add(
@@ -103,10 +103,10 @@ def _add_variable(variables: ET.Element, element: Element) -> None:
         description.add_meanings(add(annotations, "Tool", name=description.MEANING), [element])
 
 
-def _add_structure(root: ET.Element, layout: Layout) -> None:
+def _add_structure(root: ET.Element, layout: SlotLayout) -> None:
     index = {element.slot: str(number) for number, element in enumerate(layout.elements, start=1)}
 
-    def unknown(parent: ET.Element, element: Element, known: list[Placed]) -> None:
+    def unknown(parent: ET.Element, element: SlotElement, known: list[Placed]) -> None:
         dependencies = " ".join(index[other.slot] for other in description.scalars(known))
         add(parent, "Unknown", index=index[element.slot], dependencies=dependencies)
 

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 from fmus import description
 from fmus.description import add
-from fmus.layout import Element, Layout, Placed, elements_of
+from fmus.layout import Placed, SlotElement, SlotLayout, elements_of
 from fmus.table import Model
 
 _TAG = {
@@ -22,7 +22,7 @@ TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
 
 def model_description(model: Model, *, token: str, arrays: bool) -> bytes:
     """The document. With ``arrays`` a variable with a size is one variable with a dimension."""
-    layout = Layout(model)
+    layout = SlotLayout(model)
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="3.0",
@@ -75,7 +75,7 @@ def terminals(model: Model, *, arrays: bool) -> bytes | None:
     """
     if not model.terminals:
         return None
-    layout = Layout(model)
+    layout = SlotLayout(model)
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     parent = add(root, "Terminals")
     for terminal in model.terminals:
@@ -100,7 +100,7 @@ def terminals(model: Model, *, arrays: bool) -> bytes | None:
     return description.to_text(root)
 
 
-def _add_types(root: ET.Element, layout: Layout) -> None:
+def _add_types(root: ET.Element, layout: SlotLayout) -> None:
     if not layout.enumerations:
         return
     definitions = add(root, "TypeDefinitions")
@@ -115,7 +115,9 @@ def _add_types(root: ET.Element, layout: Layout) -> None:
             add(kind, "Item", name=item.name, value=str(item.value), description=item.description)
 
 
-def _add_variable(parent: ET.Element, name: str, elements: list[Element], size: int | None) -> None:
+def _add_variable(
+    parent: ET.Element, name: str, elements: list[SlotElement], size: int | None
+) -> None:
     first, variable = elements[0], elements[0].variable
     fixed = variable.causality in {"parameter", "calculatedParameter"}
     limited = variable.type in {"real", "integer"}
@@ -151,7 +153,7 @@ def _add_variable(parent: ET.Element, name: str, elements: list[Element], size: 
             add(node, "Start", value=text)
 
 
-def _add_structure(root: ET.Element, layout: Layout, *, arrays: bool) -> None:
+def _add_structure(root: ET.Element, layout: SlotLayout, *, arrays: bool) -> None:
     def references(places: list[Placed]) -> list[str]:
         if arrays:
             return [str(placed.slot) for placed in places]

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.builder import build_development, load_model
-from fmus.layout import STRING_SLOTS, Element, Layout, Placed
+from fmus.layout import STRING_SLOTS, Placed, SlotElement, SlotLayout
 from fmus.table import Model
 
 
@@ -37,9 +37,9 @@ class Instance:
         self, model: Model | str, *, folder: Path | None = None, **parameters: Any
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
-        self.layout = Layout(self.model)
+        self.layout = SlotLayout(self.model)
         self.time = 0.0
-        self._places: dict[str, Placed | Element] = {
+        self._places: dict[str, Placed | SlotElement] = {
             **{placed.path: placed for placed in self.layout.placed},
             **{element.name: element for element in self.layout.elements},
         }
@@ -117,12 +117,12 @@ class Instance:
         else:
             self._cells(place)[:] = value
 
-    def _place(self, path: str) -> Placed | Element:
+    def _place(self, path: str) -> Placed | SlotElement:
         if path not in self._places:
             raise KeyError(f"model {self.model.name} has no variable '{path}'")
         return self._places[path]
 
-    def _cells(self, place: Placed | Element) -> NDArray[Any]:
+    def _cells(self, place: Placed | SlotElement) -> NDArray[Any]:
         size = place.variable.size or 1 if isinstance(place, Placed) else 1
         cells = self._slots[place.slot : place.slot + size]
         return cells.view(np.float64) if place.variable.type == "real" else cells

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fmus.layout import STRING_SLOTS, Element, Layout
-from fmus.table import Enumeration, Group, Model, Variable
+from fmus.layout import STRING_SLOTS, SlotElement, SlotLayout
+from fmus.table import Enumeration, Group, Model, ModelVariable
 
 _C_TYPE = {"real": "double", "integer": "int64_t", "boolean": "int64_t", "enumeration": "int64_t"}
 _GLUE_TYPE = {
@@ -27,7 +27,7 @@ def variables_header(model: Model) -> str:
 
     Enumeration items become ``<ENUMERATION>_<ITEM>`` in capitals.
     """
-    layout = Layout(model)
+    layout = SlotLayout(model)
     guard = f"{model.name.upper()}_VARIABLES_H"
     lines = [
         f"/* Generated from fmus/{model.name}/variables.py. */",
@@ -61,7 +61,7 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
     ``token`` is the FMI 2 GUID and FMI 3 instantiation token; ``digest`` (32 hex digits) marks
     serialised states.
     """
-    layout = Layout(model)
+    layout = SlotLayout(model)
     lines = [
         f"/* Generated from fmus/{model.name}/variables.py. */",
         '#include "instance.h"',
@@ -98,7 +98,7 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
     return "\n".join(lines)
 
 
-def _element(element: Element) -> str:
+def _element(element: SlotElement) -> str:
     variable = element.variable
     minimum, maximum = "-INFINITY", "INFINITY"
     if variable.type == "enumeration" and variable.enumeration is not None:
@@ -131,7 +131,7 @@ def _enumeration(enumeration: Enumeration) -> list[str]:
     return [f"enum {enumeration.name} {{", *items, "};", ""]
 
 
-def _members(members: tuple[Variable | Group, ...], indent: str) -> list[str]:
+def _members(members: tuple[ModelVariable | Group, ...], indent: str) -> list[str]:
     lines: list[str] = []
     for member in members:
         if isinstance(member, Group):

@@ -11,7 +11,7 @@ from fnmatch import fnmatchcase
 from functools import cached_property
 
 from cosim.base.meaning import Meaning, Slot
-from fmus.table import Enumeration, Group, Model, Numbered, Variable
+from fmus.table import Enumeration, Group, Model, ModelVariable, Numbered
 
 STRING_SLOTS = 64
 """Slots that one string takes: 511 bytes and the terminating zero."""
@@ -23,17 +23,17 @@ class Placed:
 
     path: str
     group: str
-    variable: Variable
+    variable: ModelVariable
     slot: int
     belongs_to: Slot
 
 
 @dataclass(frozen=True, slots=True)
-class Element:
+class SlotElement:
     """One scalar: ``index`` counts from 0 within the array; ``name`` carries ``[index + 1]``."""
 
     name: str
-    variable: Variable
+    variable: ModelVariable
     slot: int
     index: int
     belongs_to: Slot
@@ -51,7 +51,7 @@ class Element:
         return start[self.index] if isinstance(start, tuple) else start
 
 
-class Layout:
+class SlotLayout:
     """The variables of a model in slot order.
 
     Raises:
@@ -65,10 +65,10 @@ class Layout:
         self._check()
 
     def _place(
-        self, members: tuple[Variable | Group, ...], prefix: str, slot: int, belongs_to: Slot
+        self, members: tuple[ModelVariable | Group, ...], prefix: str, slot: int, belongs_to: Slot
     ) -> int:
         for member in members:
-            if isinstance(member, Variable):
+            if isinstance(member, ModelVariable):
                 path = f"{prefix}{member.name}"
                 own = Slot(member.peer or belongs_to.peer, member.finger or belongs_to.finger)
                 self.placed.append(Placed(path, prefix.rstrip("."), member, slot, own))
@@ -85,7 +85,7 @@ class Layout:
         return slot
 
     @cached_property
-    def elements(self) -> list[Element]:
+    def elements(self) -> list[SlotElement]:
         """Every scalar element in slot order."""
         return [element for placed in self.placed for element in elements_of(placed)]
 
@@ -145,13 +145,13 @@ class Layout:
             raise ValueError(f"Model {self.model.name}: " + "; ".join(problems) + ".")
 
 
-def elements_of(placed: Placed) -> list[Element]:
+def elements_of(placed: Placed) -> list[SlotElement]:
     """The scalar elements of one variable."""
     variable, width = placed.variable, STRING_SLOTS if placed.variable.type == "string" else 1
     if variable.size is None:
-        return [Element(placed.path, variable, placed.slot, 0, placed.belongs_to)]
+        return [SlotElement(placed.path, variable, placed.slot, 0, placed.belongs_to)]
     return [
-        Element(
+        SlotElement(
             f"{placed.path}[{index + 1}]",
             variable,
             placed.slot + width * index,
@@ -167,7 +167,7 @@ def _numbered(slot: Slot, what: Numbered | None, number: int) -> Slot:
     return slot if what is None else replace(slot, **{what: number})
 
 
-def _problems(variable: Variable) -> Iterator[str]:
+def _problems(variable: ModelVariable) -> Iterator[str]:
     settable = variable.causality in {"parameter", "input"}
     if settable and variable.start is None and variable.type != "string":
         yield "needs a start value"

@@ -43,7 +43,7 @@ class Enumeration:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Variable:
+class ModelVariable:
     """One variable; ``size`` makes it a one-dimensional array.
 
     ``depends_on`` names the inputs that an output depends on directly (feedthrough), as paths from
@@ -87,7 +87,7 @@ class Group:
     """
 
     name: str
-    members: tuple[Variable | Group, ...]
+    members: tuple[ModelVariable | Group, ...]
     count: int | None = None
     numbers: Numbered | None = None
 
@@ -114,7 +114,7 @@ class Model:
 
     name: str
     description: str
-    variables: tuple[Variable | Group, ...]
+    variables: tuple[ModelVariable | Group, ...]
     sources: tuple[str, ...]
     terminals: tuple[Terminal, ...] = field(default=())
     version: str = "1"

@@ -14,7 +14,7 @@ from fractions import Fraction
 from cosim.analysis.grasp import WORKSTATION, parameter
 from cosim.analysis.loop import SERVER, read_loop
 from cosim.base.errors import InputError
-from cosim.scenario import Component, Scenario
+from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.models.timing import Timing
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
@@ -54,7 +54,7 @@ def _workstations(scenario: Scenario, device: str) -> list[str]:
     return [p.name for p in parts if p and p.is_bundled and p.source in {WORKSTATION, SERVER}]
 
 
-def _local(scenario: Scenario, part: Component, devices: str, late: int) -> list[str]:
+def _local(scenario: Scenario, part: ScenarioComponent, devices: str, late: int) -> list[str]:
     """The user's own contact, which is the single-user loop of chapter 3."""
     found: list[str] = []
     period = part.period / scenario.base_rate

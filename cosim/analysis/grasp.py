@@ -17,9 +17,9 @@ from typing import Literal
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.scenario import Component, Scenario
+from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.mass_spring_damper import Distributed
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.numerics import Real
 
 WORKSTATION = "distributed_workstation"
@@ -35,7 +35,7 @@ class Grasp:
     compensation computed from it stays on the safe side.
     """
 
-    workstations: tuple[Component, ...]
+    workstations: tuple[ScenarioComponent, ...]
     timing: Timing
 
     def model(self, axis: Axis) -> Distributed:
@@ -100,7 +100,9 @@ def find_grasp(scenario: Scenario) -> Grasp:
     return Grasp(workstations, _timing(scenario, workstations, control.pop()))
 
 
-def _timing(scenario: Scenario, workstations: tuple[Component, ...], control: int) -> Timing:
+def _timing(
+    scenario: Scenario, workstations: tuple[ScenarioComponent, ...], control: int
+) -> Timing:
     names = {part.station: part.name for part in workstations}
     delays: dict[tuple[str, str], Fraction] = {}
     periods: set[int] = set()
@@ -133,11 +135,11 @@ def _timing(scenario: Scenario, workstations: tuple[Component, ...], control: in
     return Timing(
         control_period=Fraction(control) / scenario.base_rate,
         ratio=Fraction(periods.pop(), control),
-        delay=Delay(forward=int(min(ahead)), backward=int(min(back))),
+        delay=PathDelay(forward=int(min(ahead)), backward=int(min(back))),
     )
 
 
-def parameter(component: Component, name: str) -> float:
+def parameter(component: ScenarioComponent, name: str) -> float:
     """A parameter of one of our models: the scenario's value, or the model's own start value."""
     value = component.parameters.get(name)
     if value is None:
@@ -148,11 +150,11 @@ def parameter(component: Component, name: str) -> float:
 
 @cache
 def _starts(model: str) -> dict[str, float]:
-    from fmus.layout import Layout
+    from fmus.layout import SlotLayout
 
     found = import_module(f"fmus.{model}.variables").MODEL
     return {
         element.name: float(element.start)
-        for element in Layout(found).elements
+        for element in SlotLayout(found).elements
         if isinstance(element.start, int | float)
     }

@@ -8,7 +8,7 @@ from cosim.analysis.loop import read_loop
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
 from cosim.theory.models.parameters import Parameters
-from cosim.theory.models.timing import Delay
+from cosim.theory.models.timing import PathDelay
 from cosim.theory.stability.spectral_radius import stability
 
 FURTHEST = 64
@@ -38,7 +38,7 @@ def longest_delay(scenario: Scenario) -> LongestDelay | None:
         return None
     model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
     for samples in range(1, FURTHEST + 1):
-        timing = replace(loop.timing, delay=Delay.each_way(samples))
+        timing = replace(loop.timing, delay=PathDelay.each_way(samples))
         if not stability(model, timing).stable:
             return LongestDelay(samples - 1, bounded=True)
     return LongestDelay(FURTHEST, bounded=False)

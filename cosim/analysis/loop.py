@@ -11,8 +11,8 @@ from fractions import Fraction
 from cosim.analysis.grasp import WORKSTATION, find_grasp
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
 from cosim.base.errors import InputError
-from cosim.scenario import Component, Scenario
-from cosim.theory.models.timing import Delay, Timing
+from cosim.scenario import Scenario, ScenarioComponent
+from cosim.theory.models.timing import PathDelay, Timing
 
 SERVER, CLIENT = "central_server", "remote_client"
 _PLANAR = (
@@ -79,7 +79,9 @@ def _read_server(scenario: Scenario) -> ScenarioLoop:
     return ScenarioLoop("centralized", len(clients) + 1, values, timing, (_PLANAR,))
 
 
-def _server_timing(scenario: Scenario, server: Component, clients: list[Component]) -> Timing:
+def _server_timing(
+    scenario: Scenario, server: ScenarioComponent, clients: list[ScenarioComponent]
+) -> Timing:
     stations = {part.station for part in clients}
     delays: dict[bool, set[int]] = {True: set(), False: set()}
     periods: set[int] = set()
@@ -103,19 +105,19 @@ def _server_timing(scenario: Scenario, server: Component, clients: list[Componen
     return Timing(
         control_period=Fraction(server.period) / scenario.base_rate,
         ratio=Fraction(periods.pop(), server.period),
-        delay=Delay(forward=delays[True].pop(), backward=delays[False].pop()),
+        delay=PathDelay(forward=delays[True].pop(), backward=delays[False].pop()),
     )
 
 
-def _given(part: Component, name: str) -> float:
+def _given(part: ScenarioComponent, name: str) -> float:
     """A parameter as the scenario has it, or the model's own start value."""
     value = part.parameters.get(name)
     if isinstance(value, int | float):
         return float(value)
     from importlib import import_module
 
-    from fmus.layout import Layout
+    from fmus.layout import SlotLayout
 
     model = import_module(f"fmus.{part.source}.variables").MODEL
-    start = next((e.start for e in Layout(model).elements if e.name == name), 0.0)
+    start = next((e.start for e in SlotLayout(model).elements if e.name == name), 0.0)
     return float(start) if isinstance(start, int | float) else 0.0

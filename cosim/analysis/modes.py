@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cosim.analysis.grasp import Axis, find_grasp, parameter
-from cosim.scenario import Component, Scenario
+from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.mass_spring_damper import Centralized, Distributed
 
 RELAXED = (100.0, 3.0)
@@ -40,7 +40,7 @@ class Mode:
     mass: float
 
 
-def modes(part: Component) -> Mapping[str, Mode]:
+def modes(part: ScenarioComponent) -> Mapping[str, Mode]:
     """The modes of a grasp of the box that a workstation simulates."""
     mass, side = parameter(part, "mass"), parameter(part, "side")
     turning = parameter(part, "inertia") / (side / 2) ** 2
@@ -53,7 +53,7 @@ def modes(part: Component) -> Mapping[str, Mode]:
 
 
 def centralized_modes(
-    server: Component, *, remote_stiffness: float | None = None
+    server: ScenarioComponent, *, remote_stiffness: float | None = None
 ) -> Mapping[str, Centralized]:
     """Each mode of the grasp of a ``central_server`` with one client, hands relaxed.
 

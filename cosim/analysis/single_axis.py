@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cosim.base.errors import InputError
-from cosim.scenario import Component, Connection, Direction, Scenario
+from cosim.scenario import Connection, Direction, Scenario, ScenarioComponent
 from cosim.theory.models.parameters import Architecture
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 
 WITHOUT_CHANCE = (
     "Loss, jitter and traces of the channel are left out here; theory loss and theory design take "
@@ -43,7 +43,7 @@ class ScenarioLoop:
 class _Tie:
     """A coupler between a body that may be far (``other``) and the object of its own station."""
 
-    coupler: Component
+    coupler: ScenarioComponent
     other: str
     own: str
 
@@ -111,7 +111,7 @@ def _name_of(tie: _Tie, numbers: dict[str, int], objects: set[str], *, distribut
 
 
 def _distributed_users(
-    scenario: Scenario, hands: list[Component], objects: list[Component]
+    scenario: Scenario, hands: list[ScenarioComponent], objects: list[ScenarioComponent]
 ) -> dict[str, int]:
     by_station = {hand.station: place for place, hand in enumerate(hands, start=1)}
     stations = sorted(body.station for body in objects)
@@ -156,11 +156,11 @@ class _Parts:
             found.append(_Tie(coupler, other, near[0]))
         return found
 
-    def _source(self, coupler: Component, path: str) -> str:
+    def _source(self, coupler: ScenarioComponent, path: str) -> str:
         link = self.feeding.get((coupler.name, path))
         return link.source.component if link is not None else ""
 
-    def number(self, part: Component, name: str) -> float:
+    def number(self, part: ScenarioComponent, name: str) -> float:
         """A parameter as the scenario has it, or the model's own start value."""
         value = part.parameters.get(name)
         return float(value) if isinstance(value, int | float) else _start(part.source, name)
@@ -197,14 +197,16 @@ class _Parts:
         return Timing(
             control_period=Fraction(control) / self.scenario.base_rate,
             ratio=Fraction(rates.pop(), control) if rates else Fraction(1),
-            delay=Delay(forward=next(iter(delays[True]), 0), backward=next(iter(delays[False]), 0)),
+            delay=PathDelay(
+                forward=next(iter(delays[True]), 0), backward=next(iter(delays[False]), 0)
+            ),
             computation_delay=late.pop() if late else 0,
         )
 
     def _is_forward(
         self,
-        source: Component,
-        target: Component,
+        source: ScenarioComponent,
+        target: ScenarioComponent,
         numbers: dict[str, int],
         *,
         distributed: bool,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 
 
-@click.command("check", cls=Command)
+@click.command("check", cls=JsonCommand)
 @click.argument("scenario", required=False)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="An overlay over it.")
 @click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="One value over it.")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.device_emulate import emulate_device
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile, seconds
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def command() -> None:
     """Real devices: find them, look at them, home, calibrate and emulate them."""
 
 
-@command.command("list", cls=Command)
+@command.command("list", cls=JsonCommand)
 @_JSON
 def list_drivers(*, as_json: bool) -> None:
     """List the drivers that are installed."""
@@ -54,7 +54,7 @@ def list_drivers(*, as_json: bool) -> None:
         click.echo(f"{name:10}{facts.get('problem') or facts['description']}")
 
 
-@command.command("find", cls=Command)
+@command.command("find", cls=JsonCommand)
 @_JSON
 def find_ports(*, as_json: bool) -> None:
     """Show serial ports and CAN interfaces that a device could be on."""
@@ -70,7 +70,7 @@ def find_ports(*, as_json: bool) -> None:
         click.echo(f"{place['url']:40}{place['description']}")
 
 
-@command.command("check", cls=Command)
+@command.command("check", cls=JsonCommand)
 @click.argument("url")
 @_FILE
 @click.option("--seconds", type=seconds(), default=5.0, show_default=True, help="How long to look.")
@@ -138,7 +138,7 @@ def check_device(
         sys.exit(1)
 
 
-@command.command("home", cls=Command)
+@command.command("home", cls=JsonCommand)
 @click.argument("url")
 @_FILE
 @click.option("--yes", is_flag=True, help="The handle is at its home pose already.")
@@ -157,7 +157,7 @@ def home_device(url: str, file: Path | None, *, yes: bool) -> None:
     )
 
 
-@command.command("calibrate", cls=Command)
+@command.command("calibrate", cls=JsonCommand)
 @click.argument("url")
 @click.argument("output", type=OutputFile())
 @_FILE

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFile
 
 if TYPE_CHECKING:
     from contextlib import ExitStack
 
 
-@click.command("emulate", cls=Command)
+@click.command("emulate", cls=JsonCommand)
 @click.argument("name")
 @click.option("--scenario", help="Take pantograph and operator from this scenario ...")
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="... with this over it ...")

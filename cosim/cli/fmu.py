@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from cosim.base.errors import InputError, RunError
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
 
 _FLAVOURS = click.Choice(["fmi2", "fmi3", "fmi3-arrays", "all"])
@@ -20,18 +20,18 @@ def command() -> None:
     """List, inspect, export and build FMUs."""
 
 
-@command.command("list", cls=Command)
+@command.command("list", cls=JsonCommand)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def list_command(*, as_json: bool) -> None:
     """The models that come with cohaptic."""
     from fmus import model_names
     from fmus.builder import load_model
-    from fmus.layout import Layout
+    from fmus.layout import SlotLayout
 
     models: list[dict[str, Any]] = []
     for name in model_names():
         model = load_model(name)
-        layout = Layout(model)
+        layout = SlotLayout(model)
         count = {
             causality: sum(e.variable.causality == causality for e in layout.elements)
             for causality in ("input", "output", "parameter")
@@ -46,7 +46,7 @@ def list_command(*, as_json: bool) -> None:
         click.echo(f"{model['name']:<{width}}  {model['description']} ({sizes})")
 
 
-@command.command("inspect", cls=Command)
+@command.command("inspect", cls=JsonCommand)
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def inspect_command(*, file: str, as_json: bool) -> None:
@@ -57,7 +57,7 @@ def inspect_command(*, file: str, as_json: bool) -> None:
     click.echo(json.dumps(report, indent=2) if as_json else to_text(report))
 
 
-@command.command("export", cls=Command)
+@command.command("export", cls=JsonCommand)
 @click.argument("folder", type=OutputFolder())
 @click.argument("names", nargs=-1)
 @click.option("--flavour", type=_FLAVOURS, default="all", help="Which archives; all by default.")
@@ -83,7 +83,7 @@ def export_command(*, folder: Path, names: tuple[str, ...], flavour: str, force:
     click.echo(f"{len(sources)} FMUs written to {folder}")
 
 
-@command.command("build", cls=Command)
+@command.command("build", cls=JsonCommand)
 @click.argument("names", nargs=-1)
 @click.option("--force", is_flag=True, help="Build also what is up to date.")
 def build_command(*, names: tuple[str, ...], force: bool) -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 
 
-@click.command("keygen", cls=Command)
+@click.command("keygen", cls=JsonCommand)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(file: Path, *, as_json: bool) -> None:

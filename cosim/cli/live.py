@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.base.errors import InputError
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, seconds
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ DRAW_SECONDS = 0.1
 COLUMNS = 60
 
 
-@click.command("live", cls=Command)
+@click.command("live", cls=JsonCommand)
 @click.argument("run", required=False)
 @click.option("--show", "patterns", multiple=True, metavar="PATTERN", help="Signals to draw.")
 @click.option(

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
 
 
-@click.command("merge", cls=Command)
+@click.command("merge", cls=JsonCommand)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=OutputFolder(), help="Folder for the result; new or empty.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

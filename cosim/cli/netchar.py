@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.base.system.writing import writing
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import FIGURES, Number, OutputFile, seconds
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def command() -> None:
     """
 
 
-@command.command("serve", cls=Command)
+@command.command("serve", cls=JsonCommand)
 @click.option("--listen", default="127.0.0.1:47010", show_default=True, help="host:port to bind.")
 @KEY
 @click.option(
@@ -105,7 +105,7 @@ def serve_command(
         )
 
 
-@command.command("probe", cls=Command)
+@command.command("probe", cls=JsonCommand)
 @click.argument("server")
 @KEY
 @click.option(
@@ -193,10 +193,10 @@ def probe_command(
 def _search(probe: Probe, size: int, rate: float, highest: float) -> dict[str, Any]:
     from dataclasses import asdict
 
-    from cosim.link.netchar.probe import Measurement
+    from cosim.link.netchar.probe import NetworkMeasurement
     from cosim.link.netchar.search import search_rate
 
-    def run(tried: float) -> Measurement:
+    def run(tried: float) -> NetworkMeasurement:
         click.echo(f"\rtrying {tried:.0f} packets a second   ", nl=False, err=True)
         return probe.measure(rate=tried, duration=max(0.5, 64.0 / tried), size=size, wait=0.3)
 

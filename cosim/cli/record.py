@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
 
 RUN = click.argument("run", type=click.Path(path_type=Path))
@@ -19,7 +19,7 @@ def command() -> None:
     """Look into run folders: what is in them, whether two are equal, other formats."""
 
 
-@command.command("digest", cls=Command)
+@command.command("digest", cls=JsonCommand)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
 @JSON
 def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
@@ -37,7 +37,7 @@ def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
             click.echo(f"{value}  {name}")
 
 
-@command.command("summary", cls=Command)
+@command.command("summary", cls=JsonCommand)
 @RUN
 @JSON
 def summary_command(run: Path, *, as_json: bool) -> None:
@@ -54,7 +54,7 @@ def summary_command(run: Path, *, as_json: bool) -> None:
         click.echo(summary.content["message"], err=True)
 
 
-@command.command("list", cls=Command)
+@command.command("list", cls=JsonCommand)
 @RUN
 @JSON
 def list_command(run: Path, *, as_json: bool) -> None:
@@ -93,7 +93,7 @@ def list_command(run: Path, *, as_json: bool) -> None:
                 click.echo(line.rstrip())
 
 
-@command.command("export", cls=Command)
+@command.command("export", cls=JsonCommand)
 @RUN
 @click.option(
     "--format", "kind", default="csv", help="csv, mat, mcap, mf4 or parquet. [default: csv]"
@@ -115,7 +115,7 @@ def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_jso
             click.echo(str(path))
 
 
-@command.command("compact", cls=Command)
+@command.command("compact", cls=JsonCommand)
 @RUN
 def compact_command(run: Path) -> None:
     """Cut the datasets of a run that was killed to the rows that it reached."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from cosim.scenario import Scenario
 
 
-@click.command("run", cls=Command)
+@click.command("run", cls=JsonCommand)
 @click.argument("scenario")
 @click.option(
     "--with",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from cosim.link.wire.transport import Address
 
 
-@click.command("station", cls=Command)
+@click.command("station", cls=JsonCommand)
 @click.argument("scenario")
 @click.option("--as", "own", required=True, metavar="STATION", help="Which station to run.")
 @click.option(

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
 
 
-@click.command("thesis", cls=Command)
+@click.command("thesis", cls=JsonCommand)
 @click.option(
     "--out",
     type=OutputFolder(),

@@ -10,7 +10,7 @@ BINS = 20_000
 """Bins of one microsecond; what is later falls into the last one."""
 
 
-class Cause(StrEnum):
+class MissCause(StrEnum):
     """What made a tick begin a whole period or more late."""
 
     WAKE_UP = "woken late"
@@ -40,9 +40,9 @@ class Deadlines:
         """Longest time from the moment a tick was meant for to its beginning (ns)."""
         self.farthest = 0
         """Farthest that a tick began after its place on the grid (ns)."""
-        self.causes = dict.fromkeys(Cause, 0)
+        self.causes = dict.fromkeys(MissCause, 0)
         """Misses by cause."""
-        self.lost = dict.fromkeys(Cause, 0)
+        self.lost = dict.fromkeys(MissCause, 0)
         """Time (ns) that the misses of each cause were late."""
         self.longest: dict[str, int] = {}
         """Misses by own work, by the part of the tick that took longest."""
@@ -54,7 +54,7 @@ class Deadlines:
         self._bins[micro if 0 <= micro < BINS else (BINS if micro > 0 else 0)] += 1
         self.worst = max(self.worst, late)
 
-    def miss(self, late: int, cause: Cause, part: str | None = None) -> None:
+    def miss(self, late: int, cause: MissCause, part: str | None = None) -> None:
         """One tick began a period or more late; ``part`` is what its own work was longest in."""
         self.misses += 1
         self.causes[cause] += 1

@@ -16,7 +16,7 @@ from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.channels.packets import BLOCK
 from cosim.master.components.blame import told
-from cosim.master.kernel.native import Outcome, library
+from cosim.master.kernel.native import KernelOutcome, library
 from cosim.master.kernel.program import Program
 from cosim.master.run.diagnosis import moment
 from cosim.master.run.guard import guarded
@@ -39,7 +39,7 @@ def paced(pacer: Pacer) -> Drive:
         *,
         end: int,
         wish: Wish,
-    ) -> Outcome:
+    ) -> KernelOutcome:
         return PacedLoop(program, components, groups, sink).run(end, pacer, wish)
 
     return drive
@@ -69,7 +69,7 @@ class PacedLoop:
             handler = guarded(program, components[call.component], call)
             self._handlers[operation] = (handler, self._names.index(name))
 
-    def run(self, end: int, pacer: Pacer, wish: Wish) -> Outcome:
+    def run(self, end: int, pacer: Pacer, wish: Wish) -> KernelOutcome:
         """Run until tick ``end``, a wish, or what the kernel comes back for otherwise.
 
         Raises:
@@ -79,7 +79,7 @@ class PacedLoop:
         work = pacer.work or Work()
         work.begin(self._names)
         advance, address = library().kernel_run, ctypes.addressof(kernel)
-        clock, handlers, call = time.monotonic_ns, self._handlers, int(Outcome.CALL)
+        clock, handlers, call = time.monotonic_ns, self._handlers, int(KernelOutcome.CALL)
         first = tick = int(kernel.tick)
         pacer.start(tick)
         while tick < end and not wish.is_made:
@@ -111,9 +111,9 @@ class PacedLoop:
             work.add(0, models + stepped - since)
             work.add(1, clock() - stepped)
             if outcome:
-                return Outcome(outcome)
+                return KernelOutcome(outcome)
             tick += 1
-        return Outcome.DONE
+        return KernelOutcome.DONE
 
     def _open(self, tick: int) -> None:
         sink = self._sink

@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import Any, Literal, Protocol
 
 from cosim.base.errors import RunError
-from cosim.realtime.deadlines import Cause, Deadlines
+from cosim.realtime.deadlines import Deadlines, MissCause
 
 Policy = Literal["count", "stop"]
 LONGEST_SPIN = 100e-6
@@ -173,11 +173,11 @@ class DeadlinePacer:
 
     def _missed(self, tick: int, late: int, overrun: int) -> None:
         """Find out why, and count it. ``overrun``: how late the tick before ended (ns)."""
-        cause, part = Cause.WAKE_UP, None
+        cause, part = MissCause.WAKE_UP, None
         if 2 * overrun >= late:
             worked = self.busy() - self._spent
             own = worked >= self._nominal
-            cause = Cause.WORK if own else Cause.INTERRUPTED
+            cause = MissCause.WORK if own else MissCause.INTERRUPTED
             part = self.work.longest() if own and self.work is not None else None
         self.deadlines.miss(late, cause, part)
         if self.policy == "stop":

@@ -6,6 +6,6 @@
 from __future__ import annotations
 
 from cosim.record.digest import digest
-from cosim.record.reader import Run, Signal, open_run
+from cosim.record.reader import RecordedSignal, Run, open_run
 
-__all__ = ["Run", "Signal", "digest", "open_run"]
+__all__ = ["RecordedSignal", "Run", "digest", "open_run"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from cosim.base.recording import RecordGroup
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, write_cells
-from cosim.record.reader import Group, Run, open_run
+from cosim.record.reader import Run, SignalGroup, open_run
 
 SPARE_BYTES = 64 << 20
 """What the file system keeps free: a record must not take the last of it for tidiness."""
@@ -60,7 +60,7 @@ def _copy(run: Run, copy: Path) -> None:
             _copy_group(group, layout, file)
 
 
-def _copy_group(group: Group, layout: GroupLayout, file: FileIO) -> None:
+def _copy_group(group: SignalGroup, layout: GroupLayout, file: FileIO) -> None:
     readers = [group.ticks_of, *(signal.cells for signal in group.signals.values())]
     for read, offsets in zip(readers, layout.offsets, strict=True):
         for segment, offset in enumerate(offsets.tolist()):

@@ -12,8 +12,8 @@ from cosim.base.component import Causality, Cells, Component, Setup, Variable, V
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
 from cosim.record.reader import open_run
-from cosim.scenario import Component as Written
 from cosim.scenario import Kind
+from cosim.scenario import ScenarioComponent as Written
 
 
 class Playback(Component):

@@ -39,7 +39,7 @@ READABLE = range(1, FORMAT_VERSION + 1)
 """The formats of run.h5 that are read."""
 
 
-class Group:
+class SignalGroup:
     """Signals recorded at one rate. ``name`` is the rate's; ``period`` is in base ticks."""
 
     def __init__(self, run: Run, name: str, node: Any) -> None:
@@ -57,16 +57,16 @@ class Group:
         return self.run.base_rate / self.period
 
     @cached_property
-    def signals(self) -> Mapping[str, Signal]:
+    def signals(self) -> Mapping[str, RecordedSignal]:
         """The group's signals by name, in the order in which they were recorded."""
         if TABLE in self._node:
             found = [
-                Signal(self, column, self._node[place], row)
+                RecordedSignal(self, column, self._node[place], row)
                 for column, place, row in read_table(self._node)
             ]
         else:  # format 1: a dataset for each signal
             found = [
-                Signal(self, _described(node), node, None)
+                RecordedSignal(self, _described(node), node, None)
                 for key, node in self._node.items()
                 if key not in {"rows", "tick"}
             ]
@@ -98,10 +98,10 @@ class Group:
             yield first, min(first + BLOCK_ROWS, last)
 
 
-class Signal:
+class RecordedSignal:
     """One recorded variable: float64, or int64 for integers, booleans and enumerations."""
 
-    def __init__(self, group: Group, column: Column, dataset: Any, row: int | None) -> None:
+    def __init__(self, group: SignalGroup, column: Column, dataset: Any, row: int | None) -> None:
         self.group = group
         self.column = column
         """What the master said about it when it was recorded."""
@@ -196,20 +196,20 @@ class Run:
         numerator, denominator = (int(part) for part in file.attrs["base_rate"])
         self.base_rate = Fraction(numerator, denominator)
         """Base ticks a second (Hz)."""
-        self.groups: Mapping[str, Group] = MappingProxyType(
-            {name: Group(self, name, node) for name, node in file.items()}
+        self.groups: Mapping[str, SignalGroup] = MappingProxyType(
+            {name: SignalGroup(self, name, node) for name, node in file.items()}
         )
 
     @cached_property
-    def signals(self) -> Mapping[str, Signal]:
+    def signals(self) -> Mapping[str, RecordedSignal]:
         """Every signal by name; of one recorded at several rates, the fastest."""
         slowest_first = sorted(self.groups.values(), key=lambda group: -group.period)
-        found: dict[str, Signal] = {}
+        found: dict[str, RecordedSignal] = {}
         for group in slowest_first:
             found.update(group.signals)
         return MappingProxyType(found)
 
-    def __getitem__(self, name: str) -> Signal:
+    def __getitem__(self, name: str) -> RecordedSignal:
         """One signal.
 
         Raises:

@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.report.platform import Contact, Platform, find_platform
+from cosim.report.platform import Contact, RecordedPlatform, find_platform
 from cosim.report.target import Target, aligned
 from cosim.report.window import measure
 
@@ -34,7 +34,7 @@ class ScenarioMeasure:
 
     unit: str
     description: str
-    function: Callable[[Run, Platform, TickRange | None], float | None]
+    function: Callable[[Run, RecordedPlatform, TickRange | None], float | None]
     of_hold_phase: bool = False
 
     def take(self, run: Run, window: TickRange | None = None) -> float | None:
@@ -42,7 +42,9 @@ class ScenarioMeasure:
         return self.function(run, find_platform(run.signals), window)
 
 
-def hold_phase(run: Run, platform: Platform) -> tuple[TickRange, tuple[Contact, ...]] | None:
+def hold_phase(
+    run: Run, platform: RecordedPlatform
+) -> tuple[TickRange, tuple[Contact, ...]] | None:
     """The hold phase and the contacts that count; ``None`` if the box is never held by all."""
     touching = tuple(contact for contact in platform.contacts if _ever(run, contact))
     if not touching:
@@ -56,13 +58,13 @@ def hold_phase(run: Run, platform: Platform) -> tuple[TickRange, tuple[Contact, 
 
 
 def _held(
-    run: Run, platform: Platform, window: TickRange | None
+    run: Run, platform: RecordedPlatform, window: TickRange | None
 ) -> tuple[TickRange, tuple[Contact, ...]] | None:
     phase = hold_phase(run, platform)
     return phase if phase is None or window is None else (window, phase[1])
 
 
-def _contact_losses(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _contact_losses(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     held = _held(run, platform, window)
     if held is None:
         return None
@@ -70,7 +72,7 @@ def _contact_losses(run: Run, platform: Platform, window: TickRange | None) -> f
     return sum(measure(run, _one(contact.state), first, last).losses for contact in contacts)
 
 
-def _held_fraction(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _held_fraction(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     held = _held(run, platform, window)
     if held is None:
         return 0.0 if platform.contacts else None
@@ -82,17 +84,17 @@ def _held_fraction(run: Run, platform: Platform, window: TickRange | None) -> fl
     return held_rows / rows if rows else None
 
 
-def _force_ripple(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _force_ripple(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     return _over_forces(run, platform, window, "std", max)
 
 
-def _grip_force(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _grip_force(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     return _over_forces(run, platform, window, "mean", min)
 
 
 def _over_forces(
     run: Run,
-    platform: Platform,
+    platform: RecordedPlatform,
     window: TickRange | None,
     statistic: str,
     choose: Callable[[list[float]], float],
@@ -109,20 +111,20 @@ def _over_forces(
     return choose(found) if found else None
 
 
-def _drift(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _drift(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     return _over_copies(run, platform, window, slice(0, 2), "maximum")
 
 
-def _drift_rms(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _drift_rms(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     return _over_copies(run, platform, window, slice(0, 2), "rms")
 
 
-def _drift_angle(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _drift_angle(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
     return _over_copies(run, platform, window, slice(2, 3), "maximum")
 
 
 def _over_copies(
-    run: Run, platform: Platform, window: TickRange | None, parts: slice, statistic: str
+    run: Run, platform: RecordedPlatform, window: TickRange | None, parts: slice, statistic: str
 ) -> float | None:
     first, last = window or (0, run.ticks)
     found: list[float] = []
@@ -132,7 +134,9 @@ def _over_copies(
     return max(found) if found else None
 
 
-def _box_displacement(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _box_displacement(
+    run: Run, platform: RecordedPlatform, window: TickRange | None
+) -> float | None:
     first, last = window or (0, run.ticks)
     found: list[float] = []
     for pose in platform.poses.values():
@@ -145,7 +149,9 @@ def _box_displacement(run: Run, platform: Platform, window: TickRange | None) ->
     return max(found) if found else None
 
 
-def _wall_penetration(run: Run, platform: Platform, window: TickRange | None) -> float | None:
+def _wall_penetration(
+    run: Run, platform: RecordedPlatform, window: TickRange | None
+) -> float | None:
     first, last = window or (0, run.ticks)
     found = [
         measure(run, _one(name), first, last).statistics.maximum

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.record.reader import Group, Run
+from cosim.record.reader import Run, SignalGroup
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
-from cosim.report.platform import Contact, Platform
+from cosim.report.platform import Contact, RecordedPlatform
 from cosim.report.target import Target, blocks
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F", "#000000")
@@ -25,7 +25,7 @@ CONTACT_STATES = (
 )
 
 
-def bin_times(run: Run, group: Group, summary: ColumnSummary) -> NDArray[np.float64]:
+def bin_times(run: Run, group: SignalGroup, summary: ColumnSummary) -> NDArray[np.float64]:
     """Middle of each bin of an envelope (s), shape (bins,)."""
     bins = np.arange(summary.lows.size)
     rows = (bins * summary.rows_per_bin + (summary.rows_per_bin - 1) / 2) * group.period
@@ -53,7 +53,7 @@ def draw_series(
     axis.legend(loc="upper right", ncols=columns, handlelength=1.2, columnspacing=1.0)
 
 
-def draw_drift(axis: Any, run: Run, platform: Platform) -> None:
+def draw_drift(axis: Any, run: Run, platform: RecordedPlatform) -> None:
     """Distance between the copies of the box (mm)."""
     for index, (one, other) in enumerate(combinations(platform.copies, 2)):
         target = Target("", platform.poses[one][:2], platform.poses[other][:2], is_norm=True)

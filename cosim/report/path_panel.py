@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cosim.base.errors import CohapticError
 from cosim.record.reader import SCENARIO_FILE, Run
 from cosim.report.panels import COLOURS
-from cosim.report.platform import Platform
+from cosim.report.platform import RecordedPlatform
 
 GHOSTS = 17
 PATH_POINTS = 2000
@@ -21,7 +21,7 @@ MAX_WALLS = 4
 TIME_LABEL = {"ha": "right", "va": "top", "fontsize": 7.5, "color": "0.25"}
 
 
-def draw_path(axis: Any, run: Run, platform: Platform) -> None:
+def draw_path(axis: Any, run: Run, platform: RecordedPlatform) -> None:
     """Paths of the box's copies and the fingertips (m); ghosts darken with time."""
     paths = [
         np.stack([_sampled(run, name, PATH_POINTS) for name in pose])

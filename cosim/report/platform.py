@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from cosim.base.meaning import Meaning, Slot
-from cosim.record.reader import Signal
+from cosim.record.reader import RecordedSignal
 
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 TIP = (Meaning.FINGER_X, Meaning.FINGER_Y)
@@ -38,7 +38,7 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
-class Platform:
+class RecordedPlatform:
     """Copies of the box, by the component that shows each, and contacts with them."""
 
     poses: Mapping[str, tuple[str, str, str]]
@@ -55,7 +55,7 @@ class Platform:
         return tuple(self.poses)
 
 
-def find_platform(recorded: Mapping[str, Signal]) -> Platform:
+def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
     """What of the platform is among the recorded signals; empty for another scenario."""
     found: dict[str, dict[tuple[Meaning, Slot], str]] = {}
     for name, signal in recorded.items():
@@ -84,7 +84,7 @@ def find_platform(recorded: Mapping[str, Signal]) -> Platform:
             )
             for slot in _slots(meant, Meaning.CONTACT_STATE)
         ]
-    return Platform(poses, tuple(contacts), tips, depths)
+    return RecordedPlatform(poses, tuple(contacts), tips, depths)
 
 
 def _slots(meant: Iterable[tuple[Meaning, Slot]], meaning: Meaning) -> list[Slot]:

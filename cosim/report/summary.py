@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.meaning import Meaning
-from cosim.record.reader import Run, Signal
+from cosim.record.reader import RecordedSignal, Run
 from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation, evaluate
 from cosim.report.measures import SCENARIO_MEASURES, TickRange
@@ -144,7 +144,7 @@ def facts(content: Mapping[str, Any]) -> str:
     return " · ".join(parts)
 
 
-def headlines(signals: Mapping[str, Signal]) -> list[str]:
+def headlines(signals: Mapping[str, RecordedSignal]) -> list[str]:
     """The signals that a reader looks at first; the first few of an unknown scenario."""
     chosen = [
         name

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.record.reader import Run, Signal, Values
+from cosim.record.reader import RecordedSignal, Run, Values
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ def _elements(name: str, recorded: Collection[str]) -> tuple[str, ...]:
     return tuple(element for _, element in numbered)
 
 
-def _held(signal: Signal, ticks: NDArray[np.int64]) -> Values:
+def _held(signal: RecordedSignal, ticks: NDArray[np.int64]) -> Values:
     rows = ticks // signal.group.period
     low, high = int(rows[0]), int(rows[-1])
     return signal[low : high + 1][rows - low]

@@ -8,7 +8,6 @@ from __future__ import annotations
 from cosim.scenario.load import load
 from cosim.scenario.model import (
     Channel,
-    Component,
     Connection,
     Delay,
     Direction,
@@ -16,11 +15,11 @@ from cosim.scenario.model import (
     Record,
     Reference,
     Scenario,
+    ScenarioComponent,
 )
 
 __all__ = [
     "Channel",
-    "Component",
     "Connection",
     "Delay",
     "Direction",
@@ -28,5 +27,6 @@ __all__ = [
     "Record",
     "Reference",
     "Scenario",
+    "ScenarioComponent",
     "load",
 ]

@@ -9,11 +9,11 @@ from cosim.scenario.impairments.effect import Average
 from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (
     Channel,
-    Component,
     Connection,
     Delay,
     Direction,
     Scenario,
+    ScenarioComponent,
 )
 
 
@@ -43,7 +43,7 @@ def number(value: Fraction) -> float:
     return value.numerator if value.denominator == 1 else float(value)
 
 
-def _component(part: Component) -> dict[str, Any]:
+def _component(part: ScenarioComponent) -> dict[str, Any]:
     return {
         "kind": part.kind.value,
         "source": part.source,

@@ -32,7 +32,7 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Component:
+class ScenarioComponent:
     """One thing with inputs and outputs, and how often it steps."""
 
     name: str
@@ -176,7 +176,7 @@ class Scenario:
     """Base ticks a second (Hz): the least common multiple of all rates unless it is given."""
     seed: int = 0
     rates: Mapping[str, Fraction]
-    components: Mapping[str, Component]
+    components: Mapping[str, ScenarioComponent]
     channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
     connections: tuple[Connection, ...] = ()
     record: tuple[Record, ...] = ()

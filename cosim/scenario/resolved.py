@@ -12,13 +12,13 @@ from cosim.scenario.impairments.impairment import Impairment
 from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (
     Channel,
-    Component,
     Connection,
     Delay,
     Direction,
     Kind,
     Record,
     Scenario,
+    ScenarioComponent,
 )
 
 
@@ -53,7 +53,7 @@ def to_document(scenario: Scenario) -> dict[str, Any]:
     return document
 
 
-def _component(part: Component) -> dict[str, Any]:
+def _component(part: ScenarioComponent) -> dict[str, Any]:
     source: Any = part.source
     if part.kind is Kind.DEVICE and part.options:
         source = {"url": part.source, **_plain(part.options)}

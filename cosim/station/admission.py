@@ -10,18 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from cosim.link.stream.admission import Admission, Verdict
-from cosim.link.stream.bundle import Bundle, Floats
+from cosim.link.stream.admission import Admission, Plausibility
+from cosim.link.stream.bundle import Floats, PacketBundle
 from cosim.master.kernel.native import AdmissionStruct, library
 
-_VERDICTS = tuple(Verdict)
+_VERDICTS = tuple(Plausibility)
 _REMEMBERED = 64
 
 
 class CompiledAdmission:
     """What :class:`~cosim.link.stream.admission.Admission` does, bit for bit."""
 
-    def __init__(self, bundle: Bundle) -> None:
+    def __init__(self, bundle: PacketBundle) -> None:
         plain = Admission(bundle)
         whole = np.zeros(bundle.size, dtype=np.int64)
         whole[plain.whole] = 1
@@ -37,9 +37,9 @@ class CompiledAdmission:
 
     def in_range(self, values: Floats) -> bool:
         """Whether every value is finite, within its range, and whole where it is an integer."""
-        return self.judge(values, 0, self._scratch, newest=False) is Verdict.FITS
+        return self.judge(values, 0, self._scratch, newest=False) is Plausibility.FITS
 
-    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Verdict:
+    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Plausibility:
         """See :meth:`~cosim.link.stream.admission.Admission.judge`; arrays are contiguous."""
         known = self._addresses
         source = known.get(id(values)) or self._remember(values)

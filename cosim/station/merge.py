@@ -15,7 +15,7 @@ from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.record.folder import new_folder
 from cosim.record.manifest import write_manifest
-from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, Signal, open_run
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, RecordedSignal, Run, open_run
 from cosim.record.writer import Recorder
 from cosim.station.measured import write_traces
 
@@ -102,7 +102,7 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     return Merged(folder, first, end - first, signals, measured)
 
 
-_Part = tuple[Run, Signal, Column]
+_Part = tuple[Run, RecordedSignal, Column]
 
 
 def _parts(runs: list[Run], stations: list[str]) -> dict[tuple[str, int], list[_Part]]:

@@ -65,7 +65,7 @@ class Executor(Protocol):
         ...
 
 
-class LongestDelay(Protocol):
+class DelayBound(Protocol):
     """What a scenario's theory says of the delay: stable up to ``samples`` each way."""
 
     @property
@@ -92,7 +92,7 @@ class Arrangement:
     patience: float | None = None
     """Seconds to wait for the others; ``None``: as long as it takes."""
     sleep: Callable[[int], None] = sleep_until
-    theory: Callable[[Scenario], LongestDelay | None] = lambda _: None
+    theory: Callable[[Scenario], DelayBound | None] = lambda _: None
     """Asked where the scenario does not say how long the way may be; ``None``: it does not know."""
 
 
@@ -197,7 +197,7 @@ def run_station(
 def _bound_delays(
     half: Half,
     scenario: Scenario,
-    theory: Callable[[Scenario], LongestDelay | None],
+    theory: Callable[[Scenario], DelayBound | None],
     say: Callable[[str], None],
 ) -> None:
     """Where the scenario does not say how long the way may be, ask its theory."""

@@ -12,14 +12,22 @@ from cosim.base.component import Causality
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.suggest import did_you_mean
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Bundle as WiredBundle
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
 from cosim.master.components.interface import Element
-from cosim.scenario import Channel, Component, Connection, Direction, Kind, Record, Reference
+from cosim.scenario import (
+    Channel,
+    Connection,
+    Direction,
+    Kind,
+    Record,
+    Reference,
+    ScenarioComponent,
+)
 from cosim.scenario import Scenario as FullScenario
 from cosim.scenario.model import Value
 
@@ -41,8 +49,8 @@ class Peer:
     name: str
     component: str
     """Name of the remote-station component that stands for it."""
-    sends: list[Bundle] = field(default_factory=list[Bundle])
-    receives: list[Bundle] = field(default_factory=list[Bundle])
+    sends: list[PacketBundle] = field(default_factory=list[PacketBundle])
+    receives: list[PacketBundle] = field(default_factory=list[PacketBundle])
     settings: list[LinkSettings] = field(default_factory=list[LinkSettings])
     """One for each incoming stream."""
 
@@ -79,7 +87,7 @@ class _Splitter:
         self.peers: dict[str, Peer] = {}
         self.connections: list[Connection] = []
         self.channels: dict[str, Channel] = {}
-        self.helpers: dict[str, Component] = {}
+        self.helpers: dict[str, ScenarioComponent] = {}
         """Components that only this half has, beside the remote stations."""
         self.dropped: list[str] = []
 
@@ -108,7 +116,7 @@ class _Splitter:
         )
         return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
 
-    def _components(self) -> dict[str, Component]:
+    def _components(self) -> dict[str, ScenarioComponent]:
         own = {
             name: replace(part, parameters=self._parameters(part))
             for name, part in self.scenario.components.items()
@@ -116,7 +124,7 @@ class _Splitter:
         }
         for peer in self.peers.values():
             adds = any(setting.add_impairments for setting in peer.settings)
-            own[peer.component] = Component(
+            own[peer.component] = ScenarioComponent(
                 name=peer.component,
                 kind=Kind.PYTHON,
                 source="cosim.link.stream.remote:RemoteStation",
@@ -128,7 +136,7 @@ class _Splitter:
             )
         return own | self.helpers
 
-    def _parameters(self, part: Component) -> dict[str, Value]:
+    def _parameters(self, part: ScenarioComponent) -> dict[str, Value]:
         """With what follows from the rates of channels, which this half does not have."""
         participant = self.assembly.participants[part.name]
         variables = participant.interface.variables
@@ -162,7 +170,7 @@ class _Splitter:
         peer = self._peer(target if source == self.own else source)
         list_ = peer.sends if source == self.own else peer.receives
         name = bundle.name.rsplit(".", 1)[0] if " at " not in bundle.name else bundle.name
-        linked = Bundle(
+        linked = PacketBundle(
             source=source,
             target=target,
             channel=_identifier(name),
@@ -207,7 +215,7 @@ class _Splitter:
     def _drive_peer_inputs(
         self,
         number: int,
-        bundle: Bundle,
+        bundle: PacketBundle,
         peer: Peer,
         wires: Sequence[Wire],
         via: str | None,
@@ -237,7 +245,7 @@ class _Splitter:
                 self._connect_fact(peer, bundle, fact.name, target, via)
 
     def _connect_fact(
-        self, peer: Peer, bundle: Bundle, fact: str, target: Reference, via: str | None
+        self, peer: Peer, bundle: PacketBundle, fact: str, target: Reference, via: str | None
     ) -> None:
         """Connect what the link says of a stream; simulated impairments on top add to its age."""
         source = _reference(peer.component, f"{bundle.channel}.{fact}")
@@ -246,7 +254,7 @@ class _Splitter:
             return
         helper = f"{peer.component}_{bundle.channel}_age"
         if helper not in self.helpers:
-            self.helpers[helper] = Component(
+            self.helpers[helper] = ScenarioComponent(
                 name=helper,
                 kind=Kind.PYTHON,
                 source="cosim.link.stream.total_age:TotalAge",
@@ -280,7 +288,7 @@ class _Splitter:
     def _connect(self, source: Reference, target: Reference, via: str | None) -> None:
         self.connections.append(Connection(source=source, target=target, via=via))
 
-    def _records(self, kept: dict[str, Component]) -> Iterator[Record]:
+    def _records(self, kept: dict[str, ScenarioComponent]) -> Iterator[Record]:
         others = [name for name in self.scenario.components if name not in kept]
         for record in self.scenario.record:
             component, _, _ = record.pattern.partition(".")

@@ -13,7 +13,7 @@ _JITTER_BOUND = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Impairment:
+class BadNetwork:
     """One direction; times in seconds, the rest are probabilities per datagram.
 
     ``jitter`` is the standard deviation of a normal distribution around ``delay``, cut at three
@@ -55,7 +55,7 @@ class Injected:
 class Impairer:
     """Decides what becomes of each datagram of one direction."""
 
-    def __init__(self, impairment: Impairment, seed: int) -> None:
+    def __init__(self, impairment: BadNetwork, seed: int) -> None:
         self.impairment = impairment
         self.injected = Injected()
         self._random = random.Random(seed)

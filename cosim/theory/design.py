@@ -19,7 +19,7 @@ from cosim.theory.chance.network import Network
 from cosim.theory.chance.packets import LinkProcess, independent_frames
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.margins import scaled
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.compensation import null_compensation
@@ -85,7 +85,7 @@ def design(
             f"{float(1 / (control_period * nearest)):.6g} Hz."
         )
     samples = network.fixed_delay
-    timing = Timing(control_period, ratio, Delay.each_way(samples))
+    timing = Timing(control_period, ratio, PathDelay.each_way(samples))
     names = STIFFNESS[parameters.architecture] + DAMPING[parameters.architecture]
     free = [name for name in names if not _is_given(parameters, name)]
     start = {name: _START[name] for name in free}
@@ -143,7 +143,7 @@ def _reliefs(
     for cause in CAUSES:
         better, clock = steady.without(cause), timing
         if cause in {"delay", "network rate"}:
-            clock = replace(clock, delay=Delay())
+            clock = replace(clock, delay=PathDelay())
         if cause == "network rate":
             better = Network(timing.control_period, 0.0, 0.0, steady.loss)
             clock = replace(clock, ratio=Fraction(1))
@@ -285,7 +285,7 @@ def _compensation(parameters: Parameters, network: Network, timing: Timing) -> f
         shortest = next(i for i, p in enumerate(network.delay_probabilities()) if p > 1e-3)
     user = 1 if parameters.architecture == "centralized" else 0
     alone = parameters.model(tuple(m == user for m in range(parameters.users)))
-    quickest = replace(timing, delay=Delay.each_way(shortest))
+    quickest = replace(timing, delay=PathDelay.each_way(shortest))
     value = null_compensation(alone, quickest, user).value
     process = network.process()
     for _ in range(40):

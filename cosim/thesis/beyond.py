@@ -81,13 +81,13 @@ def radii_of(users: int) -> tuple[float, ...]:
     """Spectral radius of the worse of carry and lift with one finger a user, over the delays."""
     from cosim.analysis.modes import distributed_modes
     from cosim.scenario import load
-    from cosim.theory.models.timing import Delay, Timing
+    from cosim.theory.models.timing import PathDelay, Timing
     from cosim.theory.stability.spectral_radius import stability
 
     models = distributed_modes(load(_CARRIED_BY[users]), fingers=1).values()
     return tuple(
         max(
-            stability(model, Timing(delay=Delay.round_trip(delay))).spectral_radius
+            stability(model, Timing(delay=PathDelay.round_trip(delay))).spectral_radius
             for model in models
         )
         for delay in RADIUS_DELAYS

@@ -108,10 +108,10 @@ def predict(curve: Curve, delay: int) -> float | None:
     from cosim.scenario import load
     from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
     from cosim.theory.chance.packets import random_delay
-    from cosim.theory.models.timing import Delay, Timing
+    from cosim.theory.models.timing import PathDelay, Timing
     from cosim.theory.stability.spectral_radius import stability
 
-    timing = Timing(delay=Delay.round_trip(0 if curve == "jitter" else delay))
+    timing = Timing(delay=PathDelay.round_trip(0 if curve == "jitter" else delay))
     if curve in {"stiffness", "jitter"}:
         server = load(CENTRALIZED).components["server"]
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 MODEL = Model(
     name="hand",
     description="Hand on one axis: a mass driven by held forces, discretised exactly",
     sources=("model.c",),
     variables=(
-        Variable(
+        ModelVariable(
             name="force",
             description="Force of the user on the mass",
             causality="input",
@@ -18,28 +18,28 @@ MODEL = Model(
             unit="N",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="coupler_force",
             description="Force of the virtual coupler on the mass",
             causality="input",
             unit="N",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="position",
             description="Position",
             causality="output",
             unit="m",
             meaning=Meaning.AXIS_POSITION,
         ),
-        Variable(
+        ModelVariable(
             name="velocity",
             description="Velocity",
             causality="output",
             unit="m/s",
             meaning=Meaning.AXIS_VELOCITY,
         ),
-        Variable(
+        ModelVariable(
             name="mass",
             description="Mass of hand and device",
             causality="parameter",
@@ -47,14 +47,14 @@ MODEL = Model(
             start=0.1,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="initial_position",
             description="Position at the start",
             causality="parameter",
             unit="m",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="initial_velocity",
             description="Velocity at the start",
             causality="parameter",

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 MODEL = Model(
     name="object",
     description="Object on one axis: a mass driven by held forces, discretised exactly",
     sources=("model.c",),
     variables=(
-        Variable(
+        ModelVariable(
             name="force",
             description="Forces on the object, which are added up",
             causality="input",
@@ -18,21 +18,21 @@ MODEL = Model(
             start=0.0,
             size=4,
         ),
-        Variable(
+        ModelVariable(
             name="position",
             description="Position",
             causality="output",
             unit="m",
             meaning=Meaning.AXIS_POSITION,
         ),
-        Variable(
+        ModelVariable(
             name="velocity",
             description="Velocity",
             causality="output",
             unit="m/s",
             meaning=Meaning.AXIS_VELOCITY,
         ),
-        Variable(
+        ModelVariable(
             name="mass",
             description="Mass",
             causality="parameter",
@@ -40,7 +40,7 @@ MODEL = Model(
             start=0.4,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="compensation",
             description="Damping b_c of the force -b_c v, sampled from the object's own velocity "
             "and held over a step; a negative one compensates damping that the network adds",
@@ -48,7 +48,7 @@ MODEL = Model(
             unit="N.s/m",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="wall_stiffness",
             description="Stiffness of a wall that the object stays in contact with; 0: no wall",
             causality="parameter",
@@ -56,7 +56,7 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="wall_damping",
             description="Damping of that wall",
             causality="parameter",
@@ -64,21 +64,21 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="wall_position",
             description="Position of the object at which the wall exerts no force",
             causality="parameter",
             unit="m",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="initial_position",
             description="Position at the start",
             causality="parameter",
             unit="m",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="initial_velocity",
             description="Velocity at the start",
             causality="parameter",

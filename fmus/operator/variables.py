@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.table import Causality, Enumeration, Item, Model, Variable
+from fmus.table import Causality, Enumeration, Item, Model, ModelVariable
 
 VIA_POINTS = 16
 
@@ -41,9 +41,11 @@ FORCE_MODE = Enumeration(
 )
 
 
-def _pair(name: str, description: str, unit: str, causality: Causality = "parameter") -> Variable:
+def _pair(
+    name: str, description: str, unit: str, causality: Causality = "parameter"
+) -> ModelVariable:
     settable = causality in {"parameter", "input"}
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality=causality,
@@ -53,14 +55,14 @@ def _pair(name: str, description: str, unit: str, causality: Causality = "parame
     )
 
 
-def _number(name: str, description: str, unit: str, start: float = 0.0) -> Variable:
-    return Variable(
+def _number(name: str, description: str, unit: str, start: float = 0.0) -> ModelVariable:
+    return ModelVariable(
         name=name, description=description, causality="parameter", unit=unit, start=start
     )
 
 
-def _via(name: str, description: str, unit: str) -> Variable:
-    return Variable(
+def _via(name: str, description: str, unit: str) -> ModelVariable:
+    return ModelVariable(
         name=name,
         description=description,
         causality="parameter",
@@ -78,7 +80,7 @@ MODEL = Model(
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
         _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),
-        Variable(
+        ModelVariable(
             name="force",
             description="Force of the user on the finger, world frame",
             causality="output",
@@ -89,7 +91,7 @@ MODEL = Model(
         _pair("reference_position", "Where the user wants the finger to be", "m", "output"),
         _pair("reference_velocity", "How fast the user wants it to move", "m/s", "output"),
         _pair("force_command", "Force that the user wants to exert", "N", "output"),
-        Variable(
+        ModelVariable(
             name="impedance",
             description="How stiffly the user holds on to the reference",
             causality="parameter",
@@ -97,7 +99,7 @@ MODEL = Model(
             enumeration=IMPEDANCE,
             start=2,
         ),
-        Variable(
+        ModelVariable(
             name="stiffness",
             description="Stiffness of the hand on each axis where impedance is custom",
             causality="parameter",
@@ -106,7 +108,7 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="damping",
             description="Damping of the hand on each axis where impedance is custom",
             causality="parameter",
@@ -115,7 +117,7 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="trajectory",
             description="How the reference moves",
             causality="parameter",
@@ -128,7 +130,7 @@ MODEL = Model(
         _pair("sine_amplitude", "Amplitude of the reference on each axis", "m"),
         _pair("sine_frequency", "Its angular frequency", "rad/s"),
         _pair("sine_phase", "Its phase at trajectory_start_time", "rad"),
-        Variable(
+        ModelVariable(
             name="via_count",
             description="Number of via points of a minimum jerk trajectory",
             causality="parameter",
@@ -140,7 +142,7 @@ MODEL = Model(
         _via("via_time", "When each via point is reached", "s"),
         _via("via_x", "Where it is, x", "m"),
         _via("via_y", "Where it is, y", "m"),
-        Variable(
+        ModelVariable(
             name="trajectory_file",
             description="Text file with a time (s), x and y (m) in each line",
             causality="parameter",
@@ -148,7 +150,7 @@ MODEL = Model(
             start="",
             meaning=Meaning.FILE,
         ),
-        Variable(
+        ModelVariable(
             name="force_mode",
             description="What force the user wants to exert on each axis",
             causality="parameter",
@@ -162,7 +164,7 @@ MODEL = Model(
         _pair("force_phase", "Phase of a sine at its start", "rad"),
         _pair("force_start_time", "When a step or sine begins", "s"),
         _pair("force_duration", "How long it lasts; 0: without end", "s"),
-        Variable(
+        ModelVariable(
             name="force_rectify",
             description="Whether the user only pushes: negative forces become zero",
             causality="parameter",

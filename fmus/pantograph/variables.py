@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
-from fmus.table import Model, Terminal, Variable
+from fmus.table import Model, ModelVariable, Terminal
 
 _PARAMETERS = (
     device_choice(),
     *device_parameters("GEOMETRY"),
     *device_parameters("DYNAMICS"),
     *placement_parameters(),
-    Variable(
+    ModelVariable(
         name="finger_mass",
         description="Mass of the user's finger and hand, carried at the tip (assumed: the thesis's "
         "0.1 kg is hand and device together; beside a modelled device the finger adds 0.06 kg)",
@@ -20,7 +20,7 @@ _PARAMETERS = (
         start=0.06,
         minimum=0.0,
     ),
-    Variable(
+    ModelVariable(
         name="initial_tip_position",
         description="Where the tip is at the start, in the world; the default suits a Quanser-like "
         "device at the origin",
@@ -29,7 +29,7 @@ _PARAMETERS = (
         size=2,
         start=(0.0425, 0.2),
     ),
-    Variable(
+    ModelVariable(
         name="computation_delay_ticks",
         description="Communication steps between a torque command and its taking effect; 0: the "
         "torque acts from the step in which it was computed",
@@ -39,7 +39,7 @@ _PARAMETERS = (
         minimum=0,
         maximum=8,
     ),
-    Variable(
+    ModelVariable(
         name="substeps",
         description="Integration steps in one communication step",
         causality="parameter",
@@ -48,7 +48,7 @@ _PARAMETERS = (
         minimum=1,
         maximum=1000,
     ),
-    Variable(
+    ModelVariable(
         name="encoder_offset",
         description="Joint angle at which the encoder counts zero (known and added back)",
         causality="parameter",
@@ -56,7 +56,7 @@ _PARAMETERS = (
         size=2,
         start=0.0,
     ),
-    Variable(
+    ModelVariable(
         name="encoder_bias",
         description="Homing error: what the measured angle is off by, unknown to its reader",
         causality="parameter",
@@ -64,7 +64,7 @@ _PARAMETERS = (
         size=2,
         start=0.0,
     ),
-    Variable(
+    ModelVariable(
         name="stop_stiffness",
         description="Stiffness of the joints' mechanical stops (assumed)",
         causality="parameter",
@@ -72,7 +72,7 @@ _PARAMETERS = (
         start=50.0,
         minimum=0.0,
     ),
-    Variable(
+    ModelVariable(
         name="stop_damping",
         description="Damping of the joints' mechanical stops (assumed)",
         causality="parameter",
@@ -80,7 +80,7 @@ _PARAMETERS = (
         start=0.05,
         minimum=0.0,
     ),
-    Variable(
+    ModelVariable(
         name="condition_limit",
         description="The run fails where the Jacobian's condition number passes this: there the "
         "five-bar is next to a singular position and its forces mean nothing",
@@ -92,7 +92,7 @@ _PARAMETERS = (
 )
 
 _INPUTS = (
-    Variable(
+    ModelVariable(
         name="motor_torque",
         description="Commanded torque of joints 1 and 2",
         causality="input",
@@ -102,7 +102,7 @@ _INPUTS = (
         role="actuated",
         meaning=Meaning.MOTOR_TORQUE,
     ),
-    Variable(
+    ModelVariable(
         name="hand_force",
         description="Force of the user on the tip, in the world",
         causality="input",
@@ -114,7 +114,7 @@ _INPUTS = (
 )
 
 _OUTPUTS = (
-    Variable(
+    ModelVariable(
         name="joint_angle",
         description="Measured angle of the proximal links, quantised by the encoders",
         causality="output",
@@ -122,7 +122,7 @@ _OUTPUTS = (
         size=2,
         role="measured",
     ),
-    Variable(
+    ModelVariable(
         name="encoder_count",
         description="Encoder counts (0 with ideal encoders)",
         causality="output",
@@ -130,21 +130,21 @@ _OUTPUTS = (
         size=2,
         role="measured",
     ),
-    Variable(
+    ModelVariable(
         name="sample_age",
         description="Ticks since the measurement was new; 0 in simulation",
         causality="output",
         type="integer",
         role="measured",
     ),
-    Variable(
+    ModelVariable(
         name="status",
         description="Sum of 1 homed, 2 active, 4 fault, 8 output enabled; 11 in simulation",
         causality="output",
         type="integer",
         role="measured",
     ),
-    Variable(
+    ModelVariable(
         name="applied_torque",
         description="Commanded torque after delay, limits and DAC: what was sent, not measured",
         causality="output",
@@ -153,7 +153,7 @@ _OUTPUTS = (
         role="derived",
         depends_on=("motor_torque",),
     ),
-    Variable(
+    ModelVariable(
         name="motor_current",
         description="Current of the motors",
         causality="output",
@@ -162,7 +162,7 @@ _OUTPUTS = (
         role="simulation_only",
         depends_on=("motor_torque",),
     ),
-    Variable(
+    ModelVariable(
         name="true_joint_angle",
         description="Angle of the proximal links",
         causality="output",
@@ -170,7 +170,7 @@ _OUTPUTS = (
         size=2,
         role="simulation_only",
     ),
-    Variable(
+    ModelVariable(
         name="tip_position",
         description="Position of the tip in the world",
         causality="output",
@@ -179,7 +179,7 @@ _OUTPUTS = (
         meaning=Meaning.TIP_POSITION,
         role="simulation_only",
     ),
-    Variable(
+    ModelVariable(
         name="tip_velocity",
         description="Velocity of the tip in the world",
         causality="output",
@@ -187,7 +187,7 @@ _OUTPUTS = (
         size=2,
         role="simulation_only",
     ),
-    Variable(
+    ModelVariable(
         name="energy",
         description="Kinetic energy of device and finger",
         causality="output",

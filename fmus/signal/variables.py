@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.table import Enumeration, Item, Model, Variable
+from fmus.table import Enumeration, Item, Model, ModelVariable
 
 MODE = Enumeration(
     name="signal_mode",
@@ -18,8 +18,8 @@ MODE = Enumeration(
 )
 
 
-def _number(name: str, description: str, unit: str, start: float) -> Variable:
-    return Variable(
+def _number(name: str, description: str, unit: str, start: float) -> ModelVariable:
+    return ModelVariable(
         name=name, description=description, causality="parameter", unit=unit, start=start
     )
 
@@ -30,9 +30,9 @@ MODEL = Model(
     sources=("model.c", "waveform.c"),
     state_ends_in_table=True,
     variables=(
-        Variable(name="value", description="The signal", causality="output", unit=""),
-        Variable(name="rate", description="Its time derivative", causality="output", unit=""),
-        Variable(
+        ModelVariable(name="value", description="The signal", causality="output", unit=""),
+        ModelVariable(name="rate", description="Its time derivative", causality="output", unit=""),
+        ModelVariable(
             name="mode",
             description="What the signal does over time",
             causality="parameter",
@@ -45,7 +45,7 @@ MODEL = Model(
         _number("frequency", "Angular frequency of the sine", "rad/s", 1.0),
         _number("phase", "Phase of the sine at start_time", "rad", 0.0),
         _number("start_time", "When step, sine, minimum jerk or table begin", "s", 0.0),
-        Variable(
+        ModelVariable(
             name="duration",
             description="How long step and sine last (0: without end), or the minimum jerk takes",
             causality="parameter",
@@ -53,21 +53,21 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="rectify",
             description="Whether negative values of amplitude times shape become zero",
             causality="parameter",
             type="boolean",
             start=False,
         ),
-        Variable(
+        ModelVariable(
             name="interpolate",
             description="Whether a table's values are joined by lines, or held",
             causality="parameter",
             type="boolean",
             start=True,
         ),
-        Variable(
+        ModelVariable(
             name="table_file",
             description="Text file with a time (s) and a value in each line",
             causality="parameter",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 
-def _input(name: str, description: str, unit: str) -> Variable:
-    return Variable(name=name, description=description, causality="input", unit=unit, start=0.0)
+def _input(name: str, description: str, unit: str) -> ModelVariable:
+    return ModelVariable(
+        name=name, description=description, causality="input", unit=unit, start=0.0
+    )
 
 
 _ALL = ("position_*", "velocity_*")
@@ -21,7 +23,7 @@ MODEL = Model(
         _input("velocity_a", "Velocity of body a", "m/s"),
         _input("position_b", "Position of body b", "m"),
         _input("velocity_b", "Velocity of body b", "m/s"),
-        Variable(
+        ModelVariable(
             name="force",
             description="Force on body b",
             causality="output",
@@ -29,14 +31,14 @@ MODEL = Model(
             meaning=Meaning.AXIS_FORCE,
             depends_on=_ALL,
         ),
-        Variable(
+        ModelVariable(
             name="reaction",
             description="Force on body a, the opposite one",
             causality="output",
             unit="N",
             depends_on=_ALL,
         ),
-        Variable(
+        ModelVariable(
             name="stiffness",
             description="Stiffness k",
             causality="parameter",
@@ -44,7 +46,7 @@ MODEL = Model(
             start=1000.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="damping",
             description="Damping b",
             causality="parameter",
@@ -52,7 +54,7 @@ MODEL = Model(
             start=10.0,
             minimum=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="computation_delay_ticks",
             description="Steps by which the force comes later than what it is computed from",
             causality="parameter",

@@ -85,7 +85,7 @@ class Cause(StrEnum):
         return self in {Cause.JUMP, Cause.SPEED}
 
 
-class Outcome(StrEnum):
+class WriteOutcome(StrEnum):
     """What is known of the motors after a fault."""
 
     PENDING = "pending"

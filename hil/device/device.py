@@ -22,11 +22,11 @@ from hil.device.contract import (
     Cause,
     Flag,
     Measurement,
-    Outcome,
     Sent,
     State,
     Status,
     Watchdog,
+    WriteOutcome,
 )
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, DeviceError, DeviceFault, LifecycleError
@@ -38,7 +38,7 @@ from hil.safety.limits import DROP_TICKS, LATE_SECONDS
 from hil.safety.linkage import Pair
 from hil.safety.permission import Permission
 from hil.safety.safeguards import check_safeguards
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 
 LONGEST_NATIVE_PERIOD = 2
@@ -61,7 +61,7 @@ class Device:
     def __init__(
         self,
         kind: type[Driver],
-        address: Address,
+        address: DeviceAddress,
         file: DeviceFile,
         *,
         tick: Fraction = Fraction(1, 1024),
@@ -438,7 +438,7 @@ class Device:
         return self._latch.fault
 
     @property
-    def outcome(self) -> Outcome | None:
+    def outcome(self) -> WriteOutcome | None:
         """What is known of the motors after a fault."""
         return self._latch.outcome
 

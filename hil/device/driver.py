@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from cosim.base.system.pulse import Pulse
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import UrlOptions
 from hil.setup.settings import DriverSettings
@@ -60,7 +60,7 @@ class Driver(ABC):
 
     def __init__(
         self,
-        address: Address,
+        address: DeviceAddress,
         file: DeviceFile,
         *,
         tick: Fraction = Fraction(1, 1024),
@@ -86,7 +86,7 @@ class Driver(ABC):
         return DeviceComponent(cls, url, options, safety)
 
     @classmethod
-    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse | None:
+    def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse | None:
         """The frames of one tick that ``cohaptic check`` counts; ``None`` off a CAN bus."""
         del address, file
         return None

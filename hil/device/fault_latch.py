@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hil.device.contract import CUT_POWER, Outcome, Watchdog
+from hil.device.contract import CUT_POWER, Watchdog, WriteOutcome
 from hil.safety.layer import Trip
 
 SETTLE_TICKS = 24
@@ -14,7 +14,7 @@ class FaultLatch:
 
     def __init__(self) -> None:
         self.fault: Trip | None = None
-        self.outcome: Outcome | None = None
+        self.outcome: WriteOutcome | None = None
         self.ticks = 0
         """Writes from the fault to its outcome."""
         self._confirmed = False
@@ -22,13 +22,13 @@ class FaultLatch:
     @property
     def settled(self) -> bool:
         """Whether it is known what became of the motors."""
-        return self.outcome is not None and self.outcome is not Outcome.PENDING
+        return self.outcome is not None and self.outcome is not WriteOutcome.PENDING
 
     def set(self, trip: Trip) -> bool:
         """Latch a fault; whether it was the first one."""
         if self.fault is not None:
             return False
-        self.fault, self.outcome, self.ticks, self._confirmed = trip, Outcome.PENDING, 0, False
+        self.fault, self.outcome, self.ticks, self._confirmed = trip, WriteOutcome.PENDING, 0, False
         return True
 
     def confirm(self) -> None:
@@ -44,10 +44,10 @@ class FaultLatch:
             return
         moved = self.fault.cause.is_motion
         if self._confirmed and (in_process or not moved):
-            self.outcome = Outcome.ZERO_CONFIRMED
+            self.outcome = WriteOutcome.ZERO_CONFIRMED
         elif self.ticks >= SETTLE_TICKS:
             trusted = watchdog.verified and not moved
-            self.outcome = Outcome.WATCHDOG if trusted else Outcome.UNKNOWN
+            self.outcome = WriteOutcome.WATCHDOG if trusted else WriteOutcome.UNKNOWN
         else:
             self.ticks += 1
 
@@ -56,11 +56,11 @@ class FaultLatch:
         if self.fault is None:
             return f"{name} is not in FAULT"
         known = {
-            Outcome.ZERO_CONFIRMED: f"zero torque confirmed after {self.ticks} ticks",
-            Outcome.WATCHDOG: "no answer; its own watchdog drops the torque "
+            WriteOutcome.ZERO_CONFIRMED: f"zero torque confirmed after {self.ticks} ticks",
+            WriteOutcome.WATCHDOG: "no answer; its own watchdog drops the torque "
             f"within {(watchdog.timeout or 0.0) * 1e3:.0f} ms",
-            Outcome.UNKNOWN: f"output unknown, {CUT_POWER}",
-        }.get(self.outcome or Outcome.PENDING, "its output is not known yet")
+            WriteOutcome.UNKNOWN: f"output unknown, {CUT_POWER}",
+        }.get(self.outcome or WriteOutcome.PENDING, "its output is not known yet")
         return f"{name} is in FAULT ({self.fault.cause}): {self.fault.sentence}; {known}"
 
     def clear(self) -> None:

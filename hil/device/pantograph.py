@@ -30,11 +30,11 @@ def terminals() -> dict[str, dict[str, str]]:
 @cache
 def variables() -> tuple[Variable, ...]:
     """Every variable of the pantograph FMU, for a device that takes its place."""
-    from fmus.layout import Layout
+    from fmus.layout import SlotLayout
     from fmus.pantograph.variables import MODEL
 
     found: list[Variable] = []
-    for placed in Layout(MODEL).placed:
+    for placed in SlotLayout(MODEL).placed:
         entry = placed.variable
         kind = _TYPES[entry.type]
         causality = Causality(entry.causality)

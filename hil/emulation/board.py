@@ -9,7 +9,7 @@ from hil.emulation.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class BoardFrame:
     """A classic CAN frame with an 11-bit identifier."""
 
     identifier: int
@@ -17,7 +17,7 @@ class Frame:
     remote: bool = False
 
 
-Unit = bytes | Frame
+Unit = bytes | BoardFrame
 """What a link carries: bytes on a serial line, frames on a bus."""
 
 

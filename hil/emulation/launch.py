@@ -17,7 +17,7 @@ from typing import Any, Self
 from cosim.base.errors import InputError
 from cosim.base.system.grants import freeze_garbage, real_time_priority
 from hil.emulation.board import Board
-from hil.emulation.links import CanLink, Link, PtyLink, SlcanLink
+from hil.emulation.links import CanLink, HostLink, PtyLink, SlcanLink
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
 from hil.emulation.side_channel import Control
@@ -48,7 +48,7 @@ class Order:
     """Of the board or of the bus."""
 
 
-Made = tuple[Board, Link, str]
+Made = tuple[Board, HostLink, str]
 """An emulated board, its link, and the URL under which a host reaches it."""
 
 

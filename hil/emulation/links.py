@@ -9,13 +9,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
-from hil.emulation.board import Frame, Unit
+from hil.emulation.board import BoardFrame, Unit
 
 LARGEST_IDENTIFIER, LONGEST_DATA = 0x7FF, 8
 """Of a classic CAN frame with an 11-bit identifier."""
 
 
-class Link(ABC):
+class HostLink(ABC):
     """One end of a wire; bytes, or frames on a bus, are counted both ways."""
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ class Link(ABC):
         """Pull the cable."""
 
 
-class PtyLink(Link):
+class PtyLink(HostLink):
     """A pseudo-terminal: the host opens ``path`` as if it were a serial device."""
 
     def __init__(self) -> None:
@@ -108,7 +108,7 @@ class SlcanLink(PtyLink):
 
     def write(self, unit: Unit) -> None:
         """Send one frame as a line; a channel that nobody has opened stays silent."""
-        assert isinstance(unit, Frame)
+        assert isinstance(unit, BoardFrame)
         if not self._open:
             return
         self._rest = self._rest[self._put(self._rest) :] if self._rest else b""
@@ -120,7 +120,7 @@ class SlcanLink(PtyLink):
         self.written += done > 0
 
 
-def parse_slcan(line: bytes) -> Frame | None:
+def parse_slcan(line: bytes) -> BoardFrame | None:
     """A standard data (``t``) or remote (``r``) frame of a line; ``None`` for anything else.
 
     Strict as a real adapter is: what was read has to give the very line again.
@@ -135,11 +135,11 @@ def parse_slcan(line: bytes) -> Frame | None:
     if again != kind + line[1:].lower() or identifier > LARGEST_IDENTIFIER or size > LONGEST_DATA:
         return None
     if kind == b"t" and size == len(data):
-        return Frame(identifier, data)
-    return Frame(identifier, remote=True) if kind == b"r" and not data else None
+        return BoardFrame(identifier, data)
+    return BoardFrame(identifier, remote=True) if kind == b"r" and not data else None
 
 
-class CanLink(Link):
+class CanLink(HostLink):
     """Any python-can bus; with ``udp_multicast`` its own frames come back and are left out."""
 
     def __init__(self, own: Callable[[int], bool], **options: Any) -> None:
@@ -165,12 +165,12 @@ class CanLink(Link):
                 continue
             self.received += 1
             frames.append(
-                Frame(message.arbitration_id, bytes(message.data), message.is_remote_frame)
+                BoardFrame(message.arbitration_id, bytes(message.data), message.is_remote_frame)
             )
 
     def write(self, unit: Unit) -> None:
         """Send one frame."""
-        assert isinstance(unit, Frame)
+        assert isinstance(unit, BoardFrame)
         self.written += 1
         self._bus.send(
             self._can.Message(arbitration_id=unit.identifier, data=unit.data, is_extended_id=False)

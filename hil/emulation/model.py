@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 
-class Model:
+class SteppedModel:
     """An FMU by its bundled name; values are read and written by variable name, arrays whole.
 
     ``parameters`` are set before initialisation; an enumeration takes its number or its name.

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from hil.emulation.model import Model
+from hil.emulation.model import SteppedModel
 from hil.safety.linkage import Pair
 
 
@@ -64,10 +64,10 @@ class SimulatedPantograph:
         operator: Mapping[str, Any] | None = None,
         step: float = 1 / 1024,
     ) -> None:
-        self._model = Model("pantograph", parameters or {})
+        self._model = SteppedModel("pantograph", parameters or {})
         self._hand = hand or Hand()
         # Made now, because unpacking an FMU takes longer than a host waits for an answer.
-        self._operator = Model("operator", operator) if operator is not None else None
+        self._operator = SteppedModel("operator", operator) if operator is not None else None
         self._started = False
         self._step = step
 

@@ -18,9 +18,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from hil.emulation.board import Board, Frame, Unit
+from hil.emulation.board import Board, BoardFrame, Unit
 from hil.emulation.faults import Fault, FaultKind
-from hil.emulation.links import Link
+from hil.emulation.links import HostLink
 from hil.emulation.side_channel import PATIENCE, SYNC
 
 LONGEST_ADVANCE = 10_000
@@ -35,7 +35,7 @@ class Server:
     def __init__(
         self,
         board: Board,
-        link: Link,
+        link: HostLink,
         path: Path,
         *,
         tick: float,
@@ -123,7 +123,7 @@ class Server:
             return
         corrupt, delay = world.fault(FaultKind.CORRUPT, tick), world.fault(FaultKind.DELAY, tick)
         if corrupt:
-            if isinstance(unit, Frame):
+            if isinstance(unit, BoardFrame):
                 return  # a bus's own checksum throws it away
             unit = flip(unit, corrupt.bit)
         if delay:

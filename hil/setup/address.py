@@ -15,7 +15,7 @@ from cosim.base.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Address:
+class DeviceAddress:
     """A device URL taken apart; ``options`` also hold what the scenario's mapping adds."""
 
     url: str
@@ -40,7 +40,7 @@ class Address:
         return self.options.get("emulator")
 
 
-def parse(url: str, options: Mapping[str, object] | None = None) -> Address:
+def parse(url: str, options: Mapping[str, object] | None = None) -> DeviceAddress:
     """Take a device URL apart; the mapping's options win over the URL's.
 
     Raises:
@@ -60,7 +60,7 @@ def parse(url: str, options: Mapping[str, object] | None = None) -> Address:
             raise InputError(f"the device URL '{url}' gives '{name}' twice")
         found[name] = value
     found.update({name: _text(value) for name, value in (options or {}).items()})
-    return Address(
+    return DeviceAddress(
         url=url,
         driver=driver,
         transport=transport or None,

@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 from cosim.base.document.form import Form, plain_node, problem, read_form
 from cosim.base.document.show import describe
 from cosim.base.errors import Location
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 
 
 class UrlOptions(Form):
@@ -26,7 +26,7 @@ class UrlOptions(Form):
 F = TypeVar("F", bound=Form)
 
 
-def read_options(form: type[F], address: Address) -> F:
+def read_options(form: type[F], address: DeviceAddress) -> F:
     """Those of a URL's options that ``form`` has.
 
     Raises:
@@ -36,7 +36,7 @@ def read_options(form: type[F], address: Address) -> F:
     return _read(form, address, known)
 
 
-def check_options(form: type[Form], address: Address) -> None:
+def check_options(form: type[Form], address: DeviceAddress) -> None:
     """Refuse an option that the driver does not have, or a value that cannot be.
 
     Raises:
@@ -45,7 +45,7 @@ def check_options(form: type[Form], address: Address) -> None:
     _read(form, address, address.options)
 
 
-def _read(form: type[F], address: Address, options: Any) -> F:
+def _read(form: type[F], address: DeviceAddress, options: Any) -> F:
     place = Location(f"the device URL {address.url}", 0, 0)
     return read_form(form, plain_node(options, place), "a device URL")
 

@@ -19,7 +19,7 @@ from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
 from hil.device.errors import DeviceGone
 from hil.emulation.side_channel import Control
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.options import UrlOptions, read_options
 from hil.wire.ownership import OwnedNodes
 from hil.wire.serial_port import (
@@ -290,7 +290,7 @@ class CanBus:
         )
 
 
-def open_bus(address: Address, pulse: Pulse | None = None) -> CanBus:
+def open_bus(address: DeviceAddress, pulse: Pulse | None = None) -> CanBus:
     """The bus that a device's URL names; opened once in a process.
 
     Raises:
@@ -319,7 +319,7 @@ def open_bus(address: Address, pulse: Pulse | None = None) -> CanBus:
     return _OPEN[key]
 
 
-def can_options(address: Address) -> CanOptions:
+def can_options(address: DeviceAddress) -> CanOptions:
     """The bus's options in a device's URL.
 
     Raises:
@@ -332,7 +332,7 @@ def can_options(address: Address) -> CanOptions:
     return read_options(CanOptions, address)
 
 
-def raw_bus(address: Address) -> Any:
+def raw_bus(address: DeviceAddress) -> Any:
     """A python-can bus of its own for an address.
 
     Raises:
@@ -350,7 +350,7 @@ def raw_bus(address: Address) -> Any:
         raise DeviceGone(f"the CAN bus of {address.url} cannot be opened: {error}") from error
 
 
-def _options(address: Address) -> Mapping[str, Any]:
+def _options(address: DeviceAddress) -> Mapping[str, Any]:
     if address.transport == "udp_multicast":
         group, _, port = address.place.partition(":")
         return {

@@ -13,7 +13,7 @@ from pydantic import Field
 from cosim.base.document.form import QuantityIn
 from hil.device.errors import DeviceError, DeviceGone
 from hil.emulation.side_channel import Control
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.options import UrlOptions, read_options
 from hil.wire.ownership import own_port
 
@@ -47,7 +47,7 @@ class SerialPort:
     whether it has dealt with everything that was sent, so that nothing depends on a clock.
     """
 
-    def __init__(self, address: Address, pulse: Pulse | None = None, number: int = 0) -> None:
+    def __init__(self, address: DeviceAddress, pulse: Pulse | None = None, number: int = 0) -> None:
         import serial
 
         self._pulse, self._number = pulse, number
@@ -202,7 +202,7 @@ def settled_counts(control: Control, quiet: int) -> tuple[int, int]:
     return last
 
 
-def lockstep(address: Address) -> Control | None:
+def lockstep(address: DeviceAddress) -> Control | None:
     """The emulator's side channel where the URL asks for lock-step.
 
     Raises:

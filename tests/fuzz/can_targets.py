@@ -14,7 +14,7 @@ from hil.device.errors import ProtocolError
 from hil.drivers.odrive import protocol as odrive
 from hil.drivers.odrive.driver import OdriveDriver
 from hil.drivers.odrive.emulator import OdriveBoard
-from hil.emulation.board import Frame
+from hil.emulation.board import BoardFrame
 from hil.emulation.world import World
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
@@ -48,7 +48,7 @@ def odrive_board(data: bytes) -> None:
     board = OdriveBoard(World(Rest(PLACE), lockstep=bool(script.number(2))))
     while script.left:
         identifier = script.number(4) << 5 | script.number(32)
-        board.receive(Frame(identifier, script.take(script.number(9))))
+        board.receive(BoardFrame(identifier, script.take(script.number(9))))
         if script.number(4) == 1:
             board.tick()
         assert all(isfinite(torque) for torque in board.world.torque)
@@ -69,7 +69,7 @@ def odrive_driver(data: bytes) -> None:
         device.write(tick, (0.0, 0.0))
         if measured.sample_age == 0 and device.state is not State.FAULT:
             for node in (0, 1):
-                latest = bus.latest(odrive.identifier(node, odrive.Command.ESTIMATES))
+                latest = bus.latest(odrive.identifier(node, odrive.OdriveCommand.ESTIMATES))
                 assert latest is not None
                 turns = odrive.estimates(latest[1])[0]
                 assert measured.joint_angle[node] == 2 * pi * turns

@@ -17,7 +17,7 @@ from hil.drivers.canopen import protocol as canopen
 from hil.drivers.canopen.driver import CanopenDriver
 from hil.drivers.canopen.emulator import TORQUE_PER_CODE, CanopenBoard
 from hil.drivers.canopen.set_up import Found
-from hil.emulation.board import Frame
+from hil.emulation.board import BoardFrame
 from hil.emulation.world import World
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
@@ -67,7 +67,7 @@ def canopen_board(data: bytes) -> None:
     while script.left:
         number = script.number(len(TO_NODES) + 1)
         identifier = TO_NODES[number] if number < len(TO_NODES) else script.number(0x800)
-        for answer in board.receive(Frame(identifier, script.take(script.number(9)))):
+        for answer in board.receive(BoardFrame(identifier, script.take(script.number(9)))):
             assert board.owns(answer.identifier)
             assert len(answer.data) <= 8
         if script.number(4) == 1:

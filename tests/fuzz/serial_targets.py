@@ -14,7 +14,7 @@ from hil.drivers.cobs import protocol as cobs
 from hil.drivers.cobs.emulator import CobsBoard, FirmwareBoard
 from hil.drivers.haply import protocol as haply
 from hil.drivers.haply.emulator import SATURATION, HaplyBoard
-from hil.emulation.board import Frame
+from hil.emulation.board import BoardFrame
 from hil.emulation.links import parse_slcan
 from hil.emulation.world import World
 from hil.firmware.build import build
@@ -102,7 +102,7 @@ def cobs_driver(data: bytes) -> None:
 
 def haply_reply(data: bytes) -> None:
     """Any nine bytes are two angles or a protocol error."""
-    axes = [haply.Axis(port=2), haply.Axis(port=1)]
+    axes = [haply.HaplyAxis(port=2), haply.HaplyAxis(port=1)]
     try:
         first, second = haply.angles(5, axes, data)
     except ProtocolError:
@@ -117,7 +117,7 @@ def haply_board(data: bytes) -> None:
     """A board takes every byte that comes; its motors stay within their saturation."""
     script = Script(data)
     board = HaplyBoard(World(Rest((1.0, 2.0)), lockstep=False))
-    axes = [haply.Axis(port=2), haply.Axis(port=1)]
+    axes = [haply.HaplyAxis(port=2), haply.HaplyAxis(port=1)]
     if script.number(2):
         board.receive(haply.reset(5) + haply.setup(5, axes))
     while script.left:
@@ -158,7 +158,7 @@ def slcan_lines(data: bytes) -> None:
         if board is not None and not board.remote:
             assert host == (board.identifier, board.data)
         if host is not None:
-            assert board == Frame(*host)
+            assert board == BoardFrame(*host)
             assert f"t{host[0]:03x}{len(host[1])}{host[1].hex()}".encode() == line.lower()
     splitter.feed(b"t0098000000000000")
     after = splitter.feed(b"0000\r") + splitter.feed(b"t0112BEEF\rt0212CAFE\r")

@@ -1,1 +1,1 @@
-"""cosim.base.document"""
+"""Documents that users write: YAML with places, forms for it, problems as sentences."""

@@ -1,7 +1,7 @@
 """Numbers with units: ``2.44 ms``, ``1024/3 Hz``, ``20 %``, ``0.4 N.s/m``; plain numbers are SI.
 
-Values are exact fractions until something asks for a float. ``cosim.base.quantities.units`` says how units
-are written.
+Values are exact fractions until something asks for a float. ``cosim.base.quantities.units`` says
+how units are written.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""cosim.base.system"""
+"""What is asked of the system: grants, shared pulses, caches, files, installed packages."""

@@ -10,7 +10,7 @@ import click
 from cosim.base.errors import CohapticError, InputError, InputErrors
 
 
-class Command(click.Command):
+class JsonCommand(click.Command):
     """A command whose ``--json`` holds for bad input as well; the sentences stay on stderr."""
 
     def make_context(

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import click
 import numpy as np
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.models.parameters import Architecture
@@ -23,7 +23,7 @@ def _architecture_felt(values: Mapping[str, Any]) -> Architecture | None:
     return None if felt in {None, "ideal"} else ARCHITECTURE_OF[felt]
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option("--case", type=click.Choice(get_args(Case)), default="free", show_default=True)
 @click.option("--user", "felt", type=click.Choice(get_args(Felt)), help="Who feels it.")
 @click.option(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option("--vary", required=True, metavar="NAME", help="The parameter that moves.")
 @click.option("--range", "span", required=True, metavar="LOW:HIGH", help="Where it moves.")
 @loop_options(chapter=5)

@@ -6,7 +6,7 @@ from typing import get_args
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.compensation import null_compensation
@@ -16,7 +16,7 @@ FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
 """Who feels it, by architecture: the remote user of the centralized loop, user 1 of the others."""
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--model",
     "kind",

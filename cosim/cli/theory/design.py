@@ -8,14 +8,14 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.network import Network
 from cosim.theory.design import design, overlay
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--delay", type=Number(0, 1e3), metavar="S", help="Mean one-way delay, instead of samples."
 )

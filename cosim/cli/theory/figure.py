@@ -10,14 +10,14 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import FIGURES, OutputFile
 from cosim.theory.chapters import chapter_5, chapter_6
 from cosim.theory.models.timing import Timing
 from cosim.theory.stability.map import stability_maps
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.argument("number", metavar="NUMBER")
 @click.option(
     "--out",

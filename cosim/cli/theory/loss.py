@@ -9,14 +9,14 @@ from typing import get_args
 import click
 
 from cosim.base.errors import InputError
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--losses",
     type=click.Choice(get_args(Losses)),

@@ -8,13 +8,13 @@ import click
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import FIGURES, OutputFile
 from cosim.cli.theory.options import Loop, describe, emit, loop_options, read_range
 from cosim.theory.stability.map import Axis, stability_maps
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--vary", "names", multiple=True, metavar="NAME", help="Twice: to the right, then upward."
 )

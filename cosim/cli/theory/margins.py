@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.margins import margins
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @loop_options(chapter=5)
 def command(loop: Loop, as_json: bool) -> None:
     """Margins at a design point: factors on stiffness, damping, network gain; delay; loss."""

@@ -20,7 +20,7 @@ from cosim.theory.models.parameters import (
     Architecture,
     Parameters,
 )
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 
 if TYPE_CHECKING:
     from cosim.analysis.single_axis import ScenarioLoop
@@ -196,7 +196,7 @@ def _loop(
         changes["computation_delay"] = computation_delay
     if named == "single":
         # The single-user loop has no network: one frame is one control tick.
-        changes |= {"ratio": Fraction(1), "delay": Delay()}
+        changes |= {"ratio": Fraction(1), "delay": PathDelay()}
     return Loop(parameters, replace(base, **changes), notes, loaded)
 
 
@@ -261,7 +261,7 @@ def read_range(text: str) -> tuple[float, float]:
 
 def read_delay(
     round_trip: int | None, each_way: int | None, forward: int | None, backward: int | None
-) -> Delay:
+) -> PathDelay:
     """The delay from exactly one of its three forms; none of them means no delay.
 
     Raises:
@@ -274,10 +274,10 @@ def read_delay(
             "--forward-delay with --backward-delay."
         )
     if round_trip is not None:
-        return Delay.round_trip(round_trip)
+        return PathDelay.round_trip(round_trip)
     if each_way is not None:
-        return Delay.each_way(each_way)
-    return Delay(forward or 0, backward or 0)
+        return PathDelay.each_way(each_way)
+    return PathDelay(forward or 0, backward or 0)
 
 
 def emit(result: Mapping[str, Any], text: str, *, as_json: bool, notes: tuple[str, ...]) -> None:

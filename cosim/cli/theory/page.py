@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from cosim.base.system.writing import writing
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFile
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--out",
     type=OutputFile(),

@@ -5,13 +5,13 @@ from __future__ import annotations
 import click
 import numpy as np
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.option(
     "--device-damping",
     type=Number(0, 1e6),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.stability.spectral_radius import stability
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @loop_options(chapter=5)
 def command(loop: Loop, as_json: bool) -> None:
     """Spectral radius over one network period, neutral motions apart: stable below 1."""

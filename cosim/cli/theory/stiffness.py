@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import click
 
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.theory.options import Loop, describe, emit, loop_options
 from cosim.theory.models.parameters import WALL
 from cosim.theory.transparency.stiffness import distributed_stiffness, equivalent_stiffness
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @loop_options(chapter=6)
 def command(loop: Loop, as_json: bool) -> None:
     """Equivalent stiffness at equilibrium against a wall (k_w = 30000 N/m unless set)."""

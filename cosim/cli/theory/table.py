@@ -9,11 +9,11 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.theory.chapters.chapter_6 import table_6_1, table_6_2
 
 
-@click.command(cls=Command)
+@click.command(cls=JsonCommand)
 @click.argument("number", metavar="NUMBER")
 @click.option(
     "--ratio",

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cosim.link.netchar.probe import Measurement
+from cosim.link.netchar.probe import NetworkMeasurement
 from cosim.link.netchar.statistics import Characteristics
 
 
-def draw(measurement: Measurement, found: Characteristics, path: Path) -> None:
+def draw(measurement: NetworkMeasurement, found: Characteristics, path: Path) -> None:
     """Write the figure to ``path`` (png, pdf or svg by its ending)."""
     from matplotlib.figure import Figure
 

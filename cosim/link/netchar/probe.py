@@ -24,7 +24,7 @@ from cosim.link.netchar.relay import (
 )
 from cosim.link.session.asker import Asker
 from cosim.link.session.keys import PreSharedKey
-from cosim.link.wire.packet import HEADER, Kind, Opener, Sealer
+from cosim.link.wire.packet import HEADER, Opener, PacketKind, Sealer
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
 
 Times = NDArray[np.int64]
@@ -35,7 +35,7 @@ def _times(count: int) -> Times:
 
 
 @dataclass(slots=True)
-class Measurement:
+class NetworkMeasurement:
     """What happened to each of ``count`` packets; times in ns, 0 where a packet did not return.
 
     ``sent`` and ``returned`` are of this side's clock, ``received`` and ``relayed`` of the other's,
@@ -136,7 +136,7 @@ class Probe:
         wait: float = 1.0,
         progress: Callable[[int, int, int], None] | None = None,
         stop: Callable[[], bool] = lambda: False,
-    ) -> Measurement:
+    ) -> NetworkMeasurement:
         """Send ``rate`` packets a second of ``size`` bytes for ``duration`` seconds.
 
         Waits at most ``wait`` seconds for the last ones. ``progress`` gets (sent, returned,
@@ -149,7 +149,9 @@ class Probe:
         assert self._sealer is not None
         self._forget_old()
         first = self._sent
-        result = Measurement(rate, size, _times(count), _times(count), _times(count), _times(count))
+        result = NetworkMeasurement(
+            rate, size, _times(count), _times(count), _times(count), _times(count)
+        )
         datagram = memoryview(bytearray(size))
         plain = memoryview(bytearray(size - OVERHEAD))
         result.began = time.monotonic_ns()
@@ -165,7 +167,7 @@ class Probe:
                 continue
             result.late_sends += now - due > period / 2
             PROBE.pack_into(plain, 0, now)
-            self._sealer.seal(Kind.PROBE, 0, plain, datagram)
+            self._sealer.seal(PacketKind.PROBE, 0, plain, datagram)
             result.sent[sent] = now
             self._transport.send(datagram)
             sent += 1
@@ -189,7 +191,7 @@ class Probe:
         while self._transport.discard():
             pass
 
-    def _collect(self, result: Measurement, first: int, until: int) -> None:
+    def _collect(self, result: NetworkMeasurement, first: int, until: int) -> None:
         """Take what comes until ``until`` (ns); at least what is there."""
         while True:
             size = self._transport.receive(self._buffer)
@@ -201,15 +203,15 @@ class Probe:
             if left <= 100_000 or not select.select([self._link], [], [], left * 1e-9 - 5e-5)[0]:
                 return
 
-    def _take(self, datagram: memoryview, result: Measurement, first: int) -> None:
+    def _take(self, datagram: memoryview, result: NetworkMeasurement, first: int) -> None:
         assert self._opener is not None
         size = len(datagram)
-        if size >= HEADER.size and Kind.HELLO <= datagram[3] <= Kind.KEEP:
+        if size >= HEADER.size and PacketKind.HELLO <= datagram[3] <= PacketKind.KEEP:
             return  # the answer to a greeting that was sent twice
         plain = self._plain[: max(0, size - OVERHEAD)]
         genuine = (
             size >= SMALLEST
-            and datagram[3] == Kind.ECHO
+            and datagram[3] == PacketKind.ECHO
             and HEADER.unpack_from(datagram)[5] == self._opener.session
             and self._opener.open(datagram, plain)
         )

@@ -21,10 +21,10 @@ from cosim.link.session.answerer import Answerer
 from cosim.link.session.contract import Contract
 from cosim.link.session.greeting import SIZES
 from cosim.link.session.keys import PreSharedKey
-from cosim.link.session.live import KEEP_SIZE, LiveSession, State
-from cosim.link.wire.packet import HEADER, MAGIC, TAG_SIZE, VERSION, Kind, Opener, Sealer
+from cosim.link.session.live import KEEP_SIZE, LiveSession, SessionState
+from cosim.link.wire.packet import HEADER, MAGIC, TAG_SIZE, VERSION, Opener, PacketKind, Sealer
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
-from cosim.link.wire.window import Window
+from cosim.link.wire.window import ReplayWindow
 
 SERVER, CLIENT = "relay", "source"
 CONTRACT = Contract({"netchar": 2})
@@ -79,7 +79,7 @@ class Relay:
         self._sealer: Sealer | None = None
         self._plain = memoryview(bytearray(LARGEST))
         self._answer = memoryview(bytearray(LARGEST))
-        self._window = Window()
+        self._window = ReplayWindow()
         self._capped_before = 0
         self._since = 0
         self._last = 0
@@ -96,7 +96,7 @@ class Relay:
             self.dropped += 1
             return None
         magic, version, kind, stream, zero, session, sequence = HEADER.unpack_from(datagram)
-        expected = (MAGIC, VERSION, Kind.PROBE, 0, 0, self._opener.session)
+        expected = (MAGIC, VERSION, PacketKind.PROBE, 0, 0, self._opener.session)
         plain = self._plain[: size - OVERHEAD]
         authentic = (magic, version, kind, stream, zero, session) == expected and self._opener.open(
             datagram, plain
@@ -115,7 +115,7 @@ class Relay:
         )
         answer = self._answer[:size]
         assert self._sealer is not None
-        self._sealer.seal(Kind.ECHO, 0, plain, answer)
+        self._sealer.seal(PacketKind.ECHO, 0, plain, answer)
         return answer
 
     def _shake_hands(self, datagram: bytes, sender: tuple[object, ...], now: int) -> bytes | None:
@@ -136,12 +136,12 @@ class Relay:
             keys = session.keys
             self._opener = Opener(keys.incoming, keys.session)
             self._sealer = Sealer(keys.outgoing, keys.session)
-            self._window, self.received = Window(), 0
+            self._window, self.received = ReplayWindow(), 0
             self._capped_before = self.capped
             self._since = self._last = now
             self._allowance = self._burst
         if outcome.keep is not None and session is not None:
-            return session.write(now, 0, State.NONE)
+            return session.write(now, 0, SessionState.NONE)
         return outcome.answer
 
     @property
@@ -160,7 +160,7 @@ class Relay:
 
 
 def _is_greeting(kind: int, size: int) -> bool:
-    return SIZES.get(kind) == size or (kind, size) == (Kind.KEEP, KEEP_SIZE)
+    return SIZES.get(kind) == size or (kind, size) == (PacketKind.KEEP, KEEP_SIZE)
 
 
 def serve(

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.link.netchar.probe import Measurement
+from cosim.link.netchar.probe import NetworkMeasurement
 
-Run = Callable[[float], Measurement]
+Run = Callable[[float], NetworkMeasurement]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +66,7 @@ def search_rate(
     return RateSearch(achievable=good, limit=limit, trials=trials)
 
 
-def _judge(rate: float, measurement: Measurement, loss: float) -> tuple[Trial, str]:
+def _judge(rate: float, measurement: NetworkMeasurement, loss: float) -> tuple[Trial, str]:
     came = measurement.returned > 0
     span = float(measurement.sent[-1] - measurement.sent[0]) * 1e-9
     sent_rate = (measurement.count - 1) / span if span > 0.0 else rate

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.link.netchar.probe import Measurement
+from cosim.link.netchar.probe import NetworkMeasurement
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9)
 Floats = NDArray[np.float64]
@@ -96,7 +96,7 @@ class Characteristics:
         return asdict(self)
 
 
-def characterise(measurement: Measurement) -> Characteristics:
+def characterise(measurement: NetworkMeasurement) -> Characteristics:
     """Everything that one measurement says."""
     came = measurement.returned > 0
     order = np.array(measurement.order, dtype=np.int64)
@@ -133,7 +133,7 @@ def characterise(measurement: Measurement) -> Characteristics:
 
 
 def _one_way(
-    measurement: Measurement, came: NDArray[np.bool_]
+    measurement: NetworkMeasurement, came: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, float | None]:
     """One-way times (s) there and back, and the skew of the other clock.
 
@@ -161,7 +161,7 @@ def _seconds(nanoseconds: NDArray[np.int64]) -> Floats:
     return nanoseconds.astype(np.float64) * 1e-9
 
 
-def _loss(measurement: Measurement, came: NDArray[np.bool_]) -> Loss:
+def _loss(measurement: NetworkMeasurement, came: NDArray[np.bool_]) -> Loss:
     missing = ~came
     # Which ones the caps kept back is not known, only how many.
     capped = min(measurement.capped, int(missing.sum()))

@@ -24,9 +24,9 @@ from cosim.link.session.greeting import (
 from cosim.link.session.keys import PreSharedKey, SessionKeys, prologue
 from cosim.link.session.live import Keep, LiveSession, session_of
 from cosim.link.session.noise import NoiseError, NoiseHandshake
-from cosim.link.session.outcome import NOTHING, Drops, Outcome
+from cosim.link.session.outcome import NOTHING, Drops, SessionOutcome
 from cosim.link.session.refusal import ContractExchange, Refusal
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 
 LARGEST_PENDING = 16
 PENDING_LIFE = 5_000_000_000
@@ -109,9 +109,11 @@ class Answerer:
         if self._present_at is not None and now - self._present_at < PRESENT_INTERVAL:
             return []
         self._present_at = now
-        return [self._greeter.write(Kind.PRESENT, 0)]
+        return [self._greeter.write(PacketKind.PRESENT, 0)]
 
-    def receive(self, datagram: bytes, received: int, now: int, address: bytes = b"") -> Outcome:
+    def receive(
+        self, datagram: bytes, received: int, now: int, address: bytes = b""
+    ) -> SessionOutcome:
         """Take a datagram that came from ``address`` at ``received``."""
         self._forget_old(now)
         session = session_of(datagram)
@@ -122,10 +124,10 @@ class Answerer:
             self.drops.foreign += 1
             self.drops.same_name += self._greeter.is_own(datagram)
             return NOTHING
-        if greeting.kind is not Kind.HELLO:
+        if greeting.kind is not PacketKind.HELLO:
             self.drops.stray += 1
             return NOTHING
-        return Outcome(answer=self._answer(greeting, now, address))
+        return SessionOutcome(answer=self._answer(greeting, now, address))
 
     def _answer(self, hello: Greeting, now: int, address: bytes) -> bytes | None:
         for pending in self._pending:
@@ -136,7 +138,7 @@ class Answerer:
             return None
         if len(self._pending) >= self._free_entries and not self._is_baked(hello, now, address):
             cookie = self._bake(self._secrets[0], hello, address)
-            return self._greeter.write(Kind.COOKIE, hello.question, hello.ephemeral, cookie)
+            return self._greeter.write(PacketKind.COOKIE, hello.question, hello.ephemeral, cookie)
         if not self._may_cost(now):
             self.drops.too_many += 1
             return None
@@ -158,10 +160,10 @@ class Answerer:
             self.drops.foreign += 1
             return None
         if not fits or self.busy:
-            return self._greeter.write(Kind.REFUSE, hello.question, message)
+            return self._greeter.write(PacketKind.REFUSE, hello.question, message)
         outgoing, incoming = noise.split()
         keys = SessionKeys(int.from_bytes(noise.hash[:8], "little"), outgoing, incoming)
-        reply = self._greeter.write(Kind.REPLY, hello.question, message)
+        reply = self._greeter.write(PacketKind.REPLY, hello.question, message)
         self._serial += 1
         if len(self._pending) >= LARGEST_PENDING:
             self._pending.pop(0)
@@ -169,7 +171,7 @@ class Answerer:
         self._pending.append(_Pending(self._serial, hello.ephemeral, reply, live, now))
         return reply
 
-    def _take_keep(self, session: int, datagram: bytes, received: int, now: int) -> Outcome:
+    def _take_keep(self, session: int, datagram: bytes, received: int, now: int) -> SessionOutcome:
         for live in (self.current, self.previous):
             if live is not None and live.keys.session == session:
                 return self._judge(live, live.read(datagram, received, now))
@@ -183,12 +185,12 @@ class Answerer:
         self.drops.stray += 1
         return NOTHING
 
-    def _judge(self, live: LiveSession, keep: Keep | None) -> Outcome:
+    def _judge(self, live: LiveSession, keep: Keep | None) -> SessionOutcome:
         if keep is None or live is not self.current:
             # Of the previous session: it is read, but says nothing of the present.
             self.drops.stray += 1
             return NOTHING
-        return Outcome(keep=keep)
+        return SessionOutcome(keep=keep)
 
     def _confirm(self, pending: _Pending, now: int) -> None:
         self.previous, self._previous_until = self.current, now + PREVIOUS_LIFE

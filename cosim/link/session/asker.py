@@ -12,11 +12,11 @@ from collections.abc import Callable
 from cosim.link.session.contract import Contract
 from cosim.link.session.greeting import NO_COOKIE, Greeter, Greeting, Payload, question_of
 from cosim.link.session.keys import PreSharedKey, SessionKeys, prologue
-from cosim.link.session.live import LiveSession, State, session_of
+from cosim.link.session.live import LiveSession, SessionState, session_of
 from cosim.link.session.noise import NoiseError, NoiseHandshake
-from cosim.link.session.outcome import NOTHING, Drops, Outcome
+from cosim.link.session.outcome import NOTHING, Drops, SessionOutcome
 from cosim.link.session.refusal import ContractExchange, Refusal
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 
 RETRY = 50_000_000
 """ns between two sendings of the same question."""
@@ -77,7 +77,7 @@ class Asker:
         if candidate is not None:
             if now - self._candidate_since <= SILENCE:
                 due = candidate.is_due(now, RETRY)
-                return [candidate.write(now, 0, State.NONE)] if due else []
+                return [candidate.write(now, 0, SessionState.NONE)] if due else []
             self._ask()
         elif self._noise is None and (
             current is None or now - min(current.heard, current.acknowledged) > SILENCE
@@ -88,7 +88,9 @@ class Asker:
         self._asked_at = now
         return [self._question()]
 
-    def receive(self, datagram: bytes, received: int, now: int, address: bytes = b"") -> Outcome:
+    def receive(
+        self, datagram: bytes, received: int, now: int, address: bytes = b""
+    ) -> SessionOutcome:
         """Take a datagram that came at ``received``; ``address`` is the answerer's to look at."""
         del address
         session = session_of(datagram)
@@ -100,16 +102,16 @@ class Asker:
             self.drops.same_name += self._greeter.is_own(datagram)
             return NOTHING
         self.answerer_seen = True
-        if greeting.kind is Kind.PRESENT:
+        if greeting.kind is PacketKind.PRESENT:
             return NOTHING
         noise = self._noise
         if noise is None or greeting.question != question_of(noise.public):
             self.drops.stray += 1
             return NOTHING
         match greeting.kind:
-            case Kind.COOKIE if greeting.ephemeral == noise.public:
+            case PacketKind.COOKIE if greeting.ephemeral == noise.public:
                 return self._take_cookie(greeting, now)
-            case Kind.REPLY | Kind.REFUSE:
+            case PacketKind.REPLY | PacketKind.REFUSE:
                 return self._take_answer(greeting, noise, now)
             case _:
                 self.drops.stray += 1
@@ -128,17 +130,17 @@ class Asker:
     def _question(self) -> bytes:
         assert self._noise is not None
         question = question_of(self._noise.public)
-        return self._greeter.write(Kind.HELLO, question, self._hello, self._cookie)
+        return self._greeter.write(PacketKind.HELLO, question, self._hello, self._cookie)
 
-    def _take_cookie(self, greeting: Greeting, now: int) -> Outcome:
+    def _take_cookie(self, greeting: Greeting, now: int) -> SessionOutcome:
         if greeting.cookie == self._cookie:
             return NOTHING
         # At once, but the same cookie never twice: two sides must not play ball.
         self._cookie = greeting.cookie
         self._asked_at = now
-        return Outcome(answer=self._question())
+        return SessionOutcome(answer=self._question())
 
-    def _take_answer(self, greeting: Greeting, noise: NoiseHandshake, now: int) -> Outcome:
+    def _take_answer(self, greeting: Greeting, noise: NoiseHandshake, now: int) -> SessionOutcome:
         try:
             payload = Payload.unpack(noise.read(greeting.noise))
         except NoiseError:
@@ -149,7 +151,7 @@ class Asker:
             self._ask()
             return NOTHING
         fits = self._contracts.fits(payload)
-        if not fits or greeting.kind is Kind.REFUSE:
+        if not fits or greeting.kind is PacketKind.REFUSE:
             self.busy = payload.busy
             self._ask()
             self._asked_at = now
@@ -160,20 +162,20 @@ class Asker:
         self._noise = None
         self.candidate = LiveSession(keys, instance=payload.instance, now=now)
         self._candidate_since = now
-        return Outcome(answer=self.candidate.write(now, 0, State.NONE))
+        return SessionOutcome(answer=self.candidate.write(now, 0, SessionState.NONE))
 
-    def _take_keep(self, session: int, datagram: bytes, received: int, now: int) -> Outcome:
+    def _take_keep(self, session: int, datagram: bytes, received: int, now: int) -> SessionOutcome:
         candidate = self.candidate
         if candidate is not None and candidate.keys.session == session:
             keep = candidate.read(datagram, received, now)
             if keep is not None:
                 self._switch(candidate)
-                return Outcome(keep=keep)
+                return SessionOutcome(keep=keep)
         current = self.current
         if current is not None and current.keys.session == session:
             keep = current.read(datagram, received, now)
             if keep is not None:
-                return Outcome(keep=keep)
+                return SessionOutcome(keep=keep)
         self.drops.stray += 1
         return NOTHING
 

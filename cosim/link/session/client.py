@@ -37,7 +37,7 @@ from cosim.link.session.messages import (
 )
 from cosim.link.session.start import Start
 from cosim.link.stream.peer_link import PeerLink
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 
 FORWARDS_AT_ONCE = 64
 """Datagrams that the loop passes on between two looks at the process; what is lost is repeated."""
@@ -76,7 +76,7 @@ class HandshakeProcess:
         def pass_on(datagram: memoryview, arrived: int) -> None:
             kind, size = datagram[3], len(datagram)
             # What cannot be a greeting must not use up the room of one that is.
-            if size != SIZES.get(kind) and (kind, size) != (Kind.KEEP, KEEP_SIZE):
+            if size != SIZES.get(kind) and (kind, size) != (PacketKind.KEEP, KEEP_SIZE):
                 self.dropped += 1
                 return
             self._forwarded += 1

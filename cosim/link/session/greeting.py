@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from cosim.link.session.keys import PreSharedKey, join
 from cosim.link.session.noise import KEY_SIZE, TAG_SIZE
-from cosim.link.wire.packet import HEADER, MAGIC, VERSION, Kind
+from cosim.link.wire.packet import HEADER, MAGIC, VERSION, PacketKind
 
 GREETING_SIZE = 1200
 COOKIE_SIZE = 16
@@ -25,11 +25,11 @@ _PAYLOAD = struct.Struct("<32sQHHHH")
 """contract hash, instance, piece, pieces, length, reason."""
 PIECE_SIZE = PAYLOAD_SIZE - _PAYLOAD.size
 SIZES: dict[int, int] = {
-    Kind.HELLO: GREETING_SIZE,
-    Kind.REPLY: GREETING_SIZE,
-    Kind.REFUSE: GREETING_SIZE,
-    Kind.COOKIE: HEADER.size + KEY_SIZE + COOKIE_SIZE + MAC_SIZE,
-    Kind.PRESENT: HEADER.size + MAC_SIZE,
+    PacketKind.HELLO: GREETING_SIZE,
+    PacketKind.REPLY: GREETING_SIZE,
+    PacketKind.REFUSE: GREETING_SIZE,
+    PacketKind.COOKIE: HEADER.size + KEY_SIZE + COOKIE_SIZE + MAC_SIZE,
+    PacketKind.PRESENT: HEADER.size + MAC_SIZE,
 }
 """Bytes of a datagram of each kind of greeting."""
 NO_COOKIE = bytes(COOKIE_SIZE)
@@ -71,7 +71,7 @@ class Payload:
 class Greeting:
     """An authentic datagram of a handshake."""
 
-    kind: Kind
+    kind: PacketKind
     question: int
     """Names the HELLO that it is or answers: the first 8 bytes of the asker's ephemeral key."""
     ephemeral: bytes = b""
@@ -94,19 +94,19 @@ class Greeter:
         self._mac_in = key.derive(f"greeting {peer}", context=names)
 
     def write(
-        self, kind: Kind, question: int, noise: bytes = b"", cookie: bytes = NO_COOKIE
+        self, kind: PacketKind, question: int, noise: bytes = b"", cookie: bytes = NO_COOKIE
     ) -> bytes:
         """A datagram. ``noise`` is the Noise message, of a COOKIE the asker's ephemeral key."""
         head = HEADER.pack(MAGIC, VERSION, kind, 0, 0, question, 0)
-        body = b"" if kind is Kind.PRESENT else noise[:KEY_SIZE] + cookie + noise[KEY_SIZE:]
+        body = b"" if kind is PacketKind.PRESENT else noise[:KEY_SIZE] + cookie + noise[KEY_SIZE:]
         return head + body + hmac.digest(self._mac_out, head + body, "sha256")
 
     def read(self, datagram: bytes) -> Greeting | None:
         """What an authentic datagram says; ``None`` for anything else."""
         if not _has_form(datagram) or not self._is_sealed_with(self._mac_in, datagram):
             return None
-        kind, question = Kind(datagram[3]), HEADER.unpack_from(datagram)[5]
-        if kind is Kind.PRESENT:
+        kind, question = PacketKind(datagram[3]), HEADER.unpack_from(datagram)[5]
+        if kind is PacketKind.PRESENT:
             return Greeting(kind, question)
         body = datagram[:-MAC_SIZE]
         return Greeting(

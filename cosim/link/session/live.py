@@ -13,18 +13,18 @@ from cosim.link.wire.packet import (
     MAGIC,
     TAG_SIZE,
     VERSION,
-    Kind,
     Opener,
+    PacketKind,
     Sealer,
 )
-from cosim.link.wire.window import Window
+from cosim.link.wire.window import ReplayWindow
 
 _BODY = struct.Struct("<qqqqII")
 """sent, echo_sent, echo_received, epoch (ns, sender's clock), state, zero."""
 KEEP_SIZE = HEADER.size + _BODY.size + TAG_SIZE
 
 
-class State(IntFlag):
+class SessionState(IntFlag):
     """What a station tells about itself."""
 
     NONE = 0
@@ -43,7 +43,7 @@ class Keep:
     echo_sent: int
     echo_received: int
     epoch: int
-    state: State
+    state: SessionState
     received: int
     """Own clock."""
 
@@ -61,24 +61,24 @@ class LiveSession:
         self.acknowledged = now
         """The newest own KEEP that the peer is known to have received."""
         self.last_sent: int | None = None
-        self.peer_state = State.NONE
+        self.peer_state = SessionState.NONE
         self._sealer = Sealer(keys.outgoing, keys.session)
         self._opener = Opener(keys.incoming, keys.session)
-        self._window = Window()
+        self._window = ReplayWindow()
         self._echo = (0, 0)
 
-    def write(self, now: int, epoch: int, state: State) -> bytes:
+    def write(self, now: int, epoch: int, state: SessionState) -> bytes:
         """The next KEEP."""
         self.last_sent = now
         plain = _BODY.pack(now, *self._echo, epoch, state, 0)
         datagram = bytearray(KEEP_SIZE)
-        self._sealer.seal(Kind.KEEP, 0, memoryview(plain), memoryview(datagram))
+        self._sealer.seal(PacketKind.KEEP, 0, memoryview(plain), memoryview(datagram))
         return bytes(datagram)
 
     def read(self, datagram: bytes, received: int, now: int) -> Keep | None:
         """An authentic first copy; ``None`` for anything else. Only a first copy is life."""
         magic, version, kind, stream, zero, session, sequence = HEADER.unpack_from(datagram)
-        if (magic, version, kind, stream, zero) != (MAGIC, VERSION, Kind.KEEP, 0, 0):
+        if (magic, version, kind, stream, zero) != (MAGIC, VERSION, PacketKind.KEEP, 0, 0):
             return None
         plain = bytearray(_BODY.size)
         if session != self.keys.session or not self._opener.open(
@@ -95,7 +95,7 @@ class LiveSession:
         self.heard = now
         if self.acknowledged < echo_sent <= now:
             self.acknowledged = echo_sent
-        self.peer_state = State(state & 7)
+        self.peer_state = SessionState(state & 7)
         return Keep(sent, echo_sent, echo_received, epoch, self.peer_state, received)
 
     def is_due(self, now: int, interval: int) -> bool:
@@ -105,6 +105,6 @@ class LiveSession:
 
 def session_of(datagram: bytes) -> int | None:
     """The session that a datagram of a KEEP's size and kind names; ``None`` for another one."""
-    if len(datagram) != KEEP_SIZE or datagram[3] != Kind.KEEP:
+    if len(datagram) != KEEP_SIZE or datagram[3] != PacketKind.KEEP:
         return None
     return int(HEADER.unpack_from(datagram)[5])

@@ -8,14 +8,14 @@ from cosim.link.session.live import Keep
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class SessionOutcome:
     """``answer`` is to be sent back; ``keep`` is a first copy under the present session."""
 
     answer: bytes | None = None
     keep: Keep | None = None
 
 
-NOTHING = Outcome()
+NOTHING = SessionOutcome()
 
 
 @dataclass(slots=True)

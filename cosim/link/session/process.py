@@ -32,7 +32,7 @@ from cosim.link.session.messages import (
     STATUS,
 )
 from cosim.link.session.negotiator import SessionNegotiator
-from cosim.link.wire.packet import HEADER, MAGIC, VERSION, Kind
+from cosim.link.wire.packet import HEADER, MAGIC, VERSION, PacketKind
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
 
 STEP = 0.004
@@ -100,7 +100,7 @@ class HandshakeServer:
 
     def take(self, number: int, datagram: bytes, arrived: int) -> None:
         """Take a datagram from a peer's address, and answer it where there is an answer."""
-        if len(datagram) < HEADER.size or datagram[3] < Kind.HELLO:
+        if len(datagram) < HEADER.size or datagram[3] < PacketKind.HELLO:
             # Values of a peer that is ahead of this side; it repeats them.
             return
         if datagram[:2] == MAGIC and datagram[2] != VERSION:

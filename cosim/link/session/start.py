@@ -14,7 +14,7 @@ from fractions import Fraction
 from cosim.link.session.answerer import Answerer
 from cosim.link.session.asker import Asker
 from cosim.link.session.keys import SessionKeys
-from cosim.link.session.live import Keep, LiveSession, State
+from cosim.link.session.live import Keep, LiveSession, SessionState
 from cosim.link.stream.clock import ClockEstimate
 
 KEEP_INTERVAL = 20_000_000
@@ -52,8 +52,8 @@ class _Other:
     epoch: int = 0
 
     @property
-    def state(self) -> State:
-        return State.NONE if self.session is None else self.session.peer_state
+    def state(self) -> SessionState:
+        return SessionState.NONE if self.session is None else self.session.peer_state
 
 
 class StartAgreement:
@@ -113,7 +113,7 @@ class StartAgreement:
             live = other.session
             if live is None or live is not other.side.current:
                 continue
-            both = self._running and bool(live.peer_state & State.RUNNING)
+            both = self._running and bool(live.peer_state & SessionState.RUNNING)
             if both and not other.side.asks:
                 continue
             if live.is_due(now, CALM_INTERVAL if both else KEEP_INTERVAL):
@@ -157,13 +157,13 @@ class StartAgreement:
             other.clock.update(keep.received)
 
     def _keep(self, live: LiveSession, now: int) -> bytes:
-        state = State.READY if self._ready() else State.NONE
+        state = SessionState.READY if self._ready() else SessionState.NONE
         epoch = 0
         if self._running:
-            state |= State.RUNNING | State.GRID
+            state |= SessionState.RUNNING | SessionState.GRID
             epoch = self._epoch
         elif self.start is not None:
-            state |= State.GRID
+            state |= SessionState.GRID
             epoch = self.start.epoch
         return live.write(now, epoch, state)
 
@@ -179,20 +179,20 @@ class StartAgreement:
         with_grid = [
             other
             for _, other in sorted(self._others.items())
-            if other.state & State.GRID and self._known(other)
+            if other.state & SessionState.GRID and self._known(other)
         ]
         if with_grid:
             self._join_since = self._join_since or now
             if self._ready() or now - self._join_since > WAIT_FOR_OTHERS:
                 self._join(with_grid[0], now)
             return
-        ready = self._ready() and all(o.state & State.READY for o in self._others.values())
+        ready = self._ready() and all(o.state & SessionState.READY for o in self._others.values())
         if ready and self.own == self.leader:
             self.start = Start(now + LEAD, 0)
 
     def _join(self, other: _Other, now: int) -> None:
         epoch = other.epoch - other.clock.offset(now)
-        running = other.state & State.RUNNING
+        running = other.state & SessionState.RUNNING
         past = now + (LEAD if running else 0) - epoch
         if not -FURTHEST_START <= past <= LARGEST_TICK * self._tick_ns:
             self.absurd += 1

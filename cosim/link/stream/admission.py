@@ -11,13 +11,13 @@ from typing import Protocol
 
 import numpy as np
 
-from cosim.link.stream.bundle import Bundle, Floats
+from cosim.link.stream.bundle import Floats, PacketBundle
 
 LARGEST_VALUE = sys.float_info.max / 2.0
 """What a field without a range may hold: not infinity, and two of them have a difference."""
 
 
-class Verdict(IntEnum):
+class Plausibility(IntEnum):
     """What is wrong with values, if anything."""
 
     FITS = 0
@@ -25,14 +25,14 @@ class Verdict(IntEnum):
     JUMP = 2
 
 
-class Judge(Protocol):
+class PacketJudge(Protocol):
     """Judges the values of one stream; :class:`Admission` says how."""
 
     def in_range(self, values: Floats) -> bool:
         """Whether every value is finite, within its range, and whole where it is an integer."""
         ...
 
-    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Verdict:
+    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Plausibility:
         """Judge values, and copy them to ``out`` where they fit."""
         ...
 
@@ -44,7 +44,7 @@ EXACT = 2.0**53
 class Admission:
     """Judges the values of one stream against its ranges and against the values before them."""
 
-    def __init__(self, bundle: Bundle) -> None:
+    def __init__(self, bundle: PacketBundle) -> None:
         size = bundle.size
         integer = bundle.spread("integer") != 0.0
         largest = np.where(integer, EXACT, LARGEST_VALUE)
@@ -70,21 +70,21 @@ class Admission:
         whole = values[self.whole]
         return bool((whole == np.trunc(whole)).all())
 
-    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Verdict:
+    def judge(self, values: Floats, ticks: int, out: Floats, *, newest: bool) -> Plausibility:
         """Judge values ``ticks`` base ticks from the newest before them (0: there are none).
 
         What fits is copied to ``out``; where it is ``newest``, the next are compared with it.
         """
         if not self.in_range(values):
-            return Verdict.OUT_OF_RANGE
+            return Plausibility.OUT_OF_RANGE
         if ticks:
             np.subtract(values, self._reference, out=self._scratch)
             np.abs(self._scratch, out=self._scratch)
             np.less_equal(self._scratch, self.step * ticks, out=self._below)
             # What was above the minimum in the range check still is.
             if self._passed.find(0) >= 0:
-                return Verdict.JUMP
+                return Plausibility.JUMP
         if newest:
             np.copyto(self._reference, values)
         np.copyto(out, values)
-        return Verdict.FITS
+        return Plausibility.FITS

@@ -130,7 +130,7 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bundle:
+class PacketBundle:
     """The fields that one station sends to another in one packet.
 
     ``channel`` is the scenario's name for what it goes through; ``stream`` numbers the bundles of

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from cosim.link.session.keys import SessionKeys
-from cosim.link.stream.admission import Admission, Judge
-from cosim.link.stream.bundle import Bundle, FieldRole
+from cosim.link.stream.admission import Admission, PacketJudge
+from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.clock import ClockEstimate
 from cosim.link.stream.path import Acknowledgements, RoundTrips
 from cosim.link.stream.peer import PeerState, PeerWeight, Reason
 from cosim.link.stream.receiver import WAITING_SLOTS, Fate, Receiver, ReceiverSettings
 from cosim.link.stream.settings import LinkSettings
-from cosim.link.wire.packet import HEADER, DataWriter, Flag, Kind, Opener, Sealer
+from cosim.link.wire.packet import HEADER, DataWriter, Opener, PacketFlag, PacketKind, Sealer
 from cosim.link.wire.transport import LARGEST_READ, Transport
 
 READ_AHEAD = Fraction(1, 2)
@@ -65,13 +65,13 @@ class PeerLink:
     def __init__(
         self,
         *,
-        sends: Sequence[Bundle],
-        receives: Sequence[Bundle],
+        sends: Sequence[PacketBundle],
+        receives: Sequence[PacketBundle],
         settings: Sequence[LinkSettings],
         transport: Transport,
         forward: Callable[[memoryview, int], None],
         hear: Callable[[], None] = lambda: None,
-        judge: Callable[[Bundle], Judge] = Admission,
+        judge: Callable[[PacketBundle], PacketJudge] = Admission,
     ) -> None:
         """``forward`` takes what is not a value and when it came, to pass it on.
 
@@ -218,7 +218,7 @@ class PeerLink:
             if count == 0 and self.before_arrival is not None:
                 self.before_arrival()
             datagram = buffers[count][:size]
-            if size >= HEADER.size and datagram[3] == Kind.DATA:
+            if size >= HEADER.size and datagram[3] == PacketKind.DATA:
                 sequence = HEADER.unpack_from(datagram)[6]
                 values.append((sequence, count, size, self.transport.arrival()))
             else:
@@ -271,7 +271,7 @@ class PeerLink:
                 self.incoming[0].receiver.tally[Fate.TRUNCATED] += 1
             else:
                 self.foreign += 1
-        elif Kind.HELLO <= datagram[3] <= Kind.KEEP:
+        elif PacketKind.HELLO <= datagram[3] <= PacketKind.KEEP:
             self._forward(datagram, self.transport.arrival())
         else:
             self.foreign += 1
@@ -390,7 +390,7 @@ class PeerLink:
         if self.session is None:
             return
         for bundle, writer in zip(self.outgoing, self.writers, strict=True):
-            self._seal(bundle, writer, (tick, now), epoch=epoch, flags=Flag.INITIAL)
+            self._seal(bundle, writer, (tick, now), epoch=epoch, flags=PacketFlag.INITIAL)
             self.sent += self.transport.send(writer.datagram)
 
     def take_initial(self) -> bool:
@@ -401,7 +401,7 @@ class PeerLink:
             if size < 0:
                 break
             datagram = self._buffers[0][:size]
-            if size < HEADER.size or datagram[3] != Kind.DATA:
+            if size < HEADER.size or datagram[3] != PacketKind.DATA:
                 self._pass_on(datagram)
                 continue
             try:
@@ -416,11 +416,17 @@ class PeerLink:
             return
         for _ in range(3):
             for bundle, writer in zip(self.outgoing, self.writers, strict=True):
-                self._seal(bundle, writer, (tick, now), epoch=epoch, flags=Flag.STOPPING)
+                self._seal(bundle, writer, (tick, now), epoch=epoch, flags=PacketFlag.STOPPING)
                 self.sent += self.transport.send(writer.datagram)
 
     def _seal(
-        self, bundle: Bundle, writer: DataWriter, at: tuple[int, int], *, epoch: int, flags: int
+        self,
+        bundle: PacketBundle,
+        writer: DataWriter,
+        at: tuple[int, int],
+        *,
+        epoch: int,
+        flags: int,
     ) -> None:
         assert self.session is not None
         session, stream = self.session.session, bundle.stream
@@ -437,7 +443,7 @@ class PeerLink:
             self._acks.sent(session, sequence, at[0])
 
 
-def _incoming(bundle: Bundle, setting: LinkSettings, judge: Judge) -> Incoming:
+def _incoming(bundle: PacketBundle, setting: LinkSettings, judge: PacketJudge) -> Incoming:
     weight = PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick)
     delay = setting.delay or 1
     receiver = Receiver(

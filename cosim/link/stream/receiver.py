@@ -14,19 +14,19 @@ from enum import IntEnum, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.link.stream.admission import Admission, Judge, Verdict
-from cosim.link.stream.bundle import Bundle, Floats
+from cosim.link.stream.admission import Admission, PacketJudge, Plausibility
+from cosim.link.stream.bundle import Floats, PacketBundle
 from cosim.link.wire.packet import (
     HEADER,
     LARGEST_TIME,
     MAGIC,
     VERSION,
     DataReader,
-    Flag,
-    Kind,
     Opener,
+    PacketFlag,
+    PacketKind,
 )
-from cosim.link.wire.window import WINDOW, Window
+from cosim.link.wire.window import WINDOW, ReplayWindow
 
 WAITING_SLOTS = 16
 SESSIONS = 3
@@ -94,7 +94,7 @@ class _Inbound:
     reader: DataReader
     expected: tuple[object, ...]
     """What the header must say before the sequence."""
-    window: Window
+    window: ReplayWindow
     order: int
     """Counts the sessions: packets of a later one are newer whatever their sequences."""
 
@@ -106,7 +106,7 @@ class Receiver:
     """
 
     def __init__(
-        self, bundle: Bundle, settings: ReceiverSettings, judge: Judge | None = None
+        self, bundle: PacketBundle, settings: ReceiverSettings, judge: PacketJudge | None = None
     ) -> None:
         """``judge`` looks at the values; one in NumPy where none is given."""
         size = bundle.size
@@ -141,7 +141,7 @@ class Receiver:
         """The latest session under which anything was received, and the highest sequence there."""
         self.held = False
         """Show nothing new: a peer that fades does so on the values that it was given up with."""
-        self._admission: Judge = judge or Admission(bundle)
+        self._admission: PacketJudge = judge or Admission(bundle)
         self._reference_tick: int | None = None
         self._reference_order = (0, -1)
         self._stopped_in = 0
@@ -178,8 +178,8 @@ class Receiver:
         self._offered += 1
         self._inbound[opener.session] = _Inbound(
             DataReader(opener, stream, self.bundle.size),
-            (MAGIC, VERSION, int(Kind.DATA), stream, 0, opener.session),
-            Window(),
+            (MAGIC, VERSION, int(PacketKind.DATA), stream, 0, opener.session),
+            ReplayWindow(),
             self._offered,
         )
         while len(self._inbound) > SESSIONS:
@@ -212,7 +212,7 @@ class Receiver:
         if len(datagram) != reader.size:
             return False
         opened = reader.open(datagram, sequence)
-        if opened is None or not opened[6] & Flag.INITIAL:
+        if opened is None or not opened[6] & PacketFlag.INITIAL:
             return False
         if not self._admission.in_range(reader.values):
             self.tally[Fate.OUT_OF_RANGE] += 1
@@ -278,7 +278,7 @@ class Receiver:
         earliest = min(sent, echo_sent, echo_received, epoch)
         if not 0 <= sampled <= LARGEST_TICK or latest > LARGEST_TIME or earliest < -LARGEST_TIME:
             return Fate.ABSURD
-        if flags & Flag.INITIAL:
+        if flags & PacketFlag.INITIAL:
             return Fate.LATE
         # Clock and grid are told by every authentic packet, also by one whose values are too old:
         # how old it is cannot be known before the two grids are.
@@ -309,13 +309,13 @@ class Receiver:
         slot = self._free[-1]
         newest = last is None or order > self._reference_order
         verdict = self._admission.judge(values, ticks, self._slots[slot], newest=newest)
-        if verdict is Verdict.OUT_OF_RANGE:
+        if verdict is Plausibility.OUT_OF_RANGE:
             return Fate.OUT_OF_RANGE
-        if verdict is Verdict.JUMP:
+        if verdict is Plausibility.JUMP:
             return Fate.JUMP
         if newest:
             self._reference_tick, self._reference_order = sampled, order
-        if flags & Flag.STOPPING:
+        if flags & PacketFlag.STOPPING:
             self.stopping, self._stopped_in = True, order[0]
         elif order[0] > self._stopped_in:
             # A session of after the stop: the peer is there again.

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import Incoming, PeerLink
@@ -231,7 +231,7 @@ STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay", "reason"
 LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
 
 
-def _elements(bundle: Bundle, cells: Mapping[str, Cells]) -> list[tuple[Cells, int]]:
+def _elements(bundle: PacketBundle, cells: Mapping[str, Cells]) -> list[tuple[Cells, int]]:
     """Where each element of a bundle lies."""
     return [
         (cells[field.name].reshape(-1), place)

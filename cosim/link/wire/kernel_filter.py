@@ -13,7 +13,7 @@ import socket
 import struct
 import sys
 
-from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, Kind
+from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, PacketKind
 
 Instruction = tuple[int, int, int, int]
 """Code, jump if true, jump if false, operand."""
@@ -61,11 +61,11 @@ def session_filter(session: int, floor: int, *, handshakes: bool) -> list[Instru
     ]
     if handshakes:
         program += [
-            (_AT_LEAST, 0, 1, _lettered(Kind.HELLO)),
-            (_GREATER, drop, accept, _lettered(Kind.KEEP)),
+            (_AT_LEAST, 0, 1, _lettered(PacketKind.HELLO)),
+            (_GREATER, drop, accept, _lettered(PacketKind.KEEP)),
         ]
     program += [
-        (_EQUAL, 0, drop, _lettered(Kind.DATA)),
+        (_EQUAL, 0, drop, _lettered(PacketKind.DATA)),
         (_WORD, 0, 0, body),
         (_EQUAL, 0, drop, low),
         (_WORD, 0, 0, body + 4),

@@ -36,7 +36,7 @@ BODY_START = HEADER.size
 VALUES_START = HEADER.size + BODY.size
 
 
-class Kind(IntEnum):
+class PacketKind(IntEnum):
     """What a datagram is; the upper half never reaches a loop's values."""
 
     DATA = 1
@@ -50,7 +50,7 @@ class Kind(IntEnum):
     ECHO = 33
 
 
-class Flag(IntEnum):
+class PacketFlag(IntEnum):
     """Bits of a data packet's flags."""
 
     STOPPING = 1
@@ -75,7 +75,7 @@ class Sealer:
         self._next: dict[int, int] = {}
         self._nonce = bytearray(NONCE.size)
 
-    def seal(self, kind: Kind, stream: int, plain: memoryview, datagram: memoryview) -> int:
+    def seal(self, kind: PacketKind, stream: int, plain: memoryview, datagram: memoryview) -> int:
         """Write header, sealed ``plain`` and tag into ``datagram``; return the sequence used."""
         slot = (kind << 16) | stream
         sequence = self._next.get(slot, 0)
@@ -155,7 +155,7 @@ class DataWriter:
         session, highest = acknowledged
         facts = (tick, sent, echo_sent, echo_received, epoch, highest, flags, session & LOW_HALF)
         BODY.pack_into(self._plain, 0, *facts)
-        return self._sealer.seal(Kind.DATA, self._stream, self._plain, self.datagram)
+        return self._sealer.seal(PacketKind.DATA, self._stream, self._plain, self.datagram)
 
 
 class DataReader:
@@ -174,6 +174,6 @@ class DataReader:
 
         ``sequence`` is the header's, which the caller has read to know the session and stream.
         """
-        if not self.opener.open_as(Kind.DATA, self._stream, sequence, datagram, self._plain):
+        if not self.opener.open_as(PacketKind.DATA, self._stream, sequence, datagram, self._plain):
             return None
         return BODY.unpack_from(self._plain)

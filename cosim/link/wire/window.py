@@ -9,7 +9,7 @@ LARGEST_SEQUENCE = (1 << 63) - 1
 """A year at 1024 Hz is 2**35; what is larger makes no sense, and would not fit a record."""
 
 
-class Window:
+class ReplayWindow:
     """The last :data:`WINDOW` sequences of one kind and stream, as one integer."""
 
     __slots__ = ("highest", "seen")

@@ -13,12 +13,16 @@ from cosim.master.assembly.connections import wire
 from cosim.master.assembly.copies import differing_copies
 from cosim.master.assembly.files import with_files
 from cosim.master.assembly.layout import Layout, lay_out
-from cosim.master.components.participants import Factory, Participant, broken_rules, read_participants
 from cosim.master.assembly.plan import Part, Plan, Planner
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.wiring import Signal, Wiring
-from cosim.master.components.participants import Factory, Participant, read_participants
+from cosim.master.components.participants import (
+    Factory,
+    Participant,
+    broken_rules,
+    read_participants,
+)
 from cosim.scenario import Kind, Scenario
 
 

@@ -1,1 +1,1 @@
-"""cosim.master.components"""
+"""Components before they run: read, made, checked, with the values that they are given."""

@@ -23,7 +23,7 @@ from cosim.master.fmu.reading import read_description
 from cosim.scenario import Kind, Scenario
 
 Values = dict[str, list[Any]]
-Factory = Callable[[scenarios.Component], Component]
+Factory = Callable[[scenarios.ScenarioComponent], Component]
 """Makes the component of a kind that is handed in."""
 
 
@@ -103,7 +103,7 @@ def _bundled(model: str, flavour: str) -> Path:
 
 
 def _read_fmu(
-    written: scenarios.Component,
+    written: scenarios.ScenarioComponent,
     bundled: Callable[[str, str], Path],
     clock: Clock,
     problems: Problems,
@@ -153,7 +153,7 @@ def _broken(description: FmuDescription) -> str:
 
 
 def _values(
-    written: scenarios.Component,
+    written: scenarios.ScenarioComponent,
     description: FmuDescription,
     section: str,
     values: Mapping[str, Any],
@@ -170,7 +170,7 @@ def _values(
 
 
 def _instance(
-    written: scenarios.Component, scenario: Scenario, kinds: Mapping[Kind, Factory]
+    written: scenarios.ScenarioComponent, scenario: Scenario, kinds: Mapping[Kind, Factory]
 ) -> Component:
     """A component of another kind than an FMU.
 
@@ -187,7 +187,7 @@ def _instance(
 
 
 def _read_python(
-    written: scenarios.Component, problems: Problems, component: Component
+    written: scenarios.ScenarioComponent, problems: Problems, component: Component
 ) -> Participant:
     interface = python.interface_of(written.name, component, feedthrough=written.feedthrough)
     declared = {

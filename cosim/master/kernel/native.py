@@ -14,7 +14,7 @@ from cosim.base.errors import RunError
 ABI = 3
 
 
-class Outcome(IntEnum):
+class KernelOutcome(IntEnum):
     """Why the kernel came back."""
 
     DONE = 0
@@ -27,7 +27,7 @@ class Outcome(IntEnum):
     OVERFLOW = 7
 
 
-class Kind(IntEnum):
+class OperationKind(IntEnum):
     """What an operation does."""
 
     COPY = 0

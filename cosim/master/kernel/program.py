@@ -25,7 +25,7 @@ from cosim.master.kernel.native import (
     ConversionStruct,
     InstanceStruct,
     KernelStruct,
-    Kind,
+    OperationKind,
     OperationStruct,
     RecordStruct,
 )
@@ -199,19 +199,19 @@ class Program:
             if action.act is Act.GET:
                 yield from self._accesses(unit, action.names, is_set=False)
             else:
-                yield OperationStruct(kind=Kind.STEP, owner=self._numbers[unit])
+                yield OperationStruct(kind=OperationKind.STEP, owner=self._numbers[unit])
         elif self.parts[unit].overrides(_CALLS[action.act]):
             self.calls[len(self._operations)] = Call(unit, _CALLS[action.act])
-            yield OperationStruct(kind=Kind.CALL, owner=self._places[unit])
+            yield OperationStruct(kind=OperationKind.CALL, owner=self._places[unit])
 
     def _bundle_operations(self, action: Action, number: int) -> Iterable[OperationStruct]:
         if action.act is Act.DELIVER:
-            yield OperationStruct(kind=Kind.DELIVER, owner=number)
+            yield OperationStruct(kind=OperationKind.DELIVER, owner=number)
         elif action.act is Act.SEND:
-            yield OperationStruct(kind=Kind.SEND, owner=number)
+            yield OperationStruct(kind=OperationKind.SEND, owner=number)
         elif action.act is Act.RECORD:
             columns = np.array(self._columns[number], dtype=np.int32)
-            yield self._with_table(Kind.RECORD, columns, len(columns), owner=number)
+            yield self._with_table(OperationKind.RECORD, columns, len(columns), owner=number)
         else:
             entries = self.wiring.bundles[number].entries
             indices = [int(name) for name in action.names]
@@ -219,7 +219,7 @@ class Program:
                 (self.layout.of(entries[index].source), self.layout.held[number] + index)
                 for index in indices
             ]
-            kind = Kind.COPY if action.act is Act.HOLD else Kind.SAMPLE
+            kind = OperationKind.COPY if action.act is Act.HOLD else OperationKind.SAMPLE
             table = np.array(pairs, dtype=np.int32)
             yield self._with_table(kind, table, len(pairs), owner=number)
 
@@ -231,7 +231,9 @@ class Program:
             if wire.is_plain
         ]
         if pairs:
-            yield self._with_table(Kind.COPY, np.array(sorted(pairs), dtype=np.int32), len(pairs))
+            yield self._with_table(
+                OperationKind.COPY, np.array(sorted(pairs), dtype=np.int32), len(pairs)
+            )
         converted = [wire for wire in wires if not wire.is_plain]
         if converted:
             table = (ConversionStruct * len(converted))(
@@ -248,7 +250,7 @@ class Program:
             )
             self._keep.append(table)
             yield OperationStruct(
-                kind=Kind.CONVERT, cell_count=len(converted), table=ctypes.addressof(table)
+                kind=OperationKind.CONVERT, cell_count=len(converted), table=ctypes.addressof(table)
             )
 
     def _accesses(
@@ -276,9 +278,9 @@ class Program:
             direct = kind is VariableType.FLOAT64
             yield OperationStruct(
                 kind=(
-                    (Kind.SET_FLOAT64 if direct else Kind.SET)
+                    (OperationKind.SET_FLOAT64 if direct else OperationKind.SET)
                     if is_set
-                    else (Kind.GET_FLOAT64 if direct else Kind.GET)
+                    else (OperationKind.GET_FLOAT64 if direct else OperationKind.GET)
                 ),
                 owner=self._numbers[unit],
                 type=codes[kind],
@@ -292,7 +294,7 @@ class Program:
             )
 
     def _with_table(
-        self, kind: Kind, table: NDArray[np.int32], count: int, *, owner: int = 0
+        self, kind: OperationKind, table: NDArray[np.int32], count: int, *, owner: int = 0
     ) -> OperationStruct:
         self._keep.append(table)
         return OperationStruct(kind=kind, owner=owner, cell_count=count, table=table.ctypes.data)

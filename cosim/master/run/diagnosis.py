@@ -6,11 +6,11 @@ import numpy as np
 
 from cosim.base.component import VariableType
 from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
-from cosim.master.components.interface import Element
 from cosim.master.assembly.plan import Act
+from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import STATUS_NAMES
-from cosim.master.kernel.native import Outcome
+from cosim.master.kernel.native import KernelOutcome
 from cosim.master.kernel.program import Program
 
 _DID = {
@@ -20,7 +20,7 @@ _DID = {
 }
 
 
-def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> CohapticError:
+def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> CohapticError:
     """The error that the kernel's outcome stands for.
 
     What an FMU refuses at initialisation is what the scenario gave it: an input error.
@@ -33,7 +33,7 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
     said = fmu.messages() if fmu is not None else []
     chatted = f"; it said: {' / '.join(said)}" if said else ""
     logged = chatted or "; it logged nothing"
-    if outcome is Outcome.STATUS:
+    if outcome is KernelOutcome.STATUS:
         number = int(kernel.status)
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
@@ -43,16 +43,16 @@ def explain(outcome: Outcome, program: Program, fmus: dict[str, Fmu]) -> Cohapti
         return kind(
             f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"
         )
-    if outcome is Outcome.NOT_A_NUMBER:
+    if outcome is KernelOutcome.NOT_A_NUMBER:
         return RunError(f"{_variable(program)} became NaN at {when}{logged}")
-    if outcome is Outcome.RANGE:
+    if outcome is KernelOutcome.RANGE:
         return RunError(_out_of_range(program, when))
-    if outcome is Outcome.EARLY_RETURN:
+    if outcome is KernelOutcome.EARLY_RETURN:
         return RunError(
             f"{component} returned early from its step at {when}, though that was not allowed; an "
             "FMU that needs event mode or early return cannot be used"
         )
-    if outcome is Outcome.TERMINATED:
+    if outcome is KernelOutcome.TERMINATED:
         return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
     return RunError(f"the plan's room for packets or rows was exceeded at {when}; report this")
 

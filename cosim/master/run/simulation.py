@@ -13,7 +13,6 @@ from typing import Protocol
 
 from cosim.base.component import Component
 from cosim.base.errors import EndAsked, InputError, RunError
-from cosim.base.system.garbage import without_collecting
 from cosim.base.recording import Forgetful, RecordGroup, Rows, Sink
 from cosim.base.system.garbage import without_collecting
 from cosim.master.assembly.assemble import Assembly, put_together
@@ -25,7 +24,7 @@ from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
-from cosim.master.kernel.native import Outcome as Stop
+from cosim.master.kernel.native import KernelOutcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
 from cosim.master.run import checkpoint

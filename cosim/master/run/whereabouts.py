@@ -6,7 +6,7 @@ import ctypes
 import mmap
 from typing import Any
 
-from cosim.master.kernel.native import KernelStruct, Kind
+from cosim.master.kernel.native import KernelStruct, OperationKind
 from cosim.scenario import Kind as ComponentKind
 from cosim.scenario import Scenario
 
@@ -14,12 +14,12 @@ _NOTE_BYTES = 1024
 _HEARD = _NOTE_BYTES - 1
 """The byte that counts interrupts; a note ends before it."""
 _KERNEL_DID = {
-    Kind.SET: "while its inputs were set",
-    Kind.SET_FLOAT64: "while its inputs were set",
-    Kind.GET: "while its outputs were read",
-    Kind.GET_FLOAT64: "while its outputs were read",
-    Kind.STEP: "in its step",
-    Kind.CALL: "in a method of its class",
+    OperationKind.SET: "while its inputs were set",
+    OperationKind.SET_FLOAT64: "while its inputs were set",
+    OperationKind.GET: "while its outputs were read",
+    OperationKind.GET_FLOAT64: "while its outputs were read",
+    OperationKind.STEP: "in its step",
+    OperationKind.CALL: "in a method of its class",
 }
 
 
@@ -64,10 +64,10 @@ class Whereabouts:
             return component, f"in {call} {when if tick else 'before the first tick'}"
         names = sorted(scenario.components)
         if self.kernel.running >= 0 and self.kernel.kind in _KERNEL_DID:
-            if self.kernel.kind != Kind.CALL:
+            if self.kernel.kind != OperationKind.CALL:
                 kinds = {name: part.kind for name, part in scenario.components.items()}
                 names = [name for name in names if kinds[name] is ComponentKind.FMU]
-            did = _KERNEL_DID[Kind(self.kernel.kind)]
+            did = _KERNEL_DID[OperationKind(self.kernel.kind)]
             when = when if self.kernel.running else "at initialisation"
             return names[int(self.kernel.owner)], f"{did} {when}"
         return "", when if tick else "before the first tick"

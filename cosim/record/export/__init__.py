@@ -1,1 +1,1 @@
-"""cosim.record.export.formats"""
+"""A run in other formats: CSV, MAT, Parquet, MF4 and MCAP."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from cosim.record.reader import Run, Signal, Values
+from cosim.record.reader import RecordedSignal, Run, Values
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,13 +22,13 @@ class Table:
     run: Run
     period: int
     rows: int
-    signals: tuple[Signal, ...]
+    signals: tuple[RecordedSignal, ...]
 
     def ticks(self, first: int, last: int) -> NDArray[np.int64]:
         """Base ticks of rows ``first`` to ``last``."""
         return np.arange(first, last, dtype=np.int64) * self.period
 
-    def values(self, signal: Signal, first: int, last: int) -> Values:
+    def values(self, signal: RecordedSignal, first: int, last: int) -> Values:
         """A signal's values in rows ``first`` to ``last``, held where it is slower."""
         if signal.group.period == self.period:
             return signal[first:last]

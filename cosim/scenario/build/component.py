@@ -11,11 +11,11 @@ from typing import Any
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ComponentForm, DeviceForm
-from cosim.scenario.model import Component, Kind
+from cosim.scenario.model import Kind, ScenarioComponent
 from cosim.scenario.source.merge import KINDS
 
 
-def build_component(context: Context, name: str, form: ComponentForm) -> Component | None:
+def build_component(context: Context, name: str, form: ComponentForm) -> ScenarioComponent | None:
     """The component, or ``None`` after reporting why there is none."""
     kind = Kind(next(key for key in KINDS if getattr(form, key) is not None))
     source = _source(context, name, kind, form)
@@ -29,7 +29,7 @@ def build_component(context: Context, name: str, form: ComponentForm) -> Compone
     feedthrough = form.feedthrough
     if kind is Kind.FMU and feedthrough is None:
         feedthrough = bundled
-    return Component(
+    return ScenarioComponent(
         name=name,
         kind=kind,
         source=source,

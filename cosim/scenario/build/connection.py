@@ -9,14 +9,14 @@ from cosim.base.document.node import PathKey
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ConnectionForm
-from cosim.scenario.model import Channel, Component, Connection, Delay
+from cosim.scenario.model import Channel, Connection, Delay, ScenarioComponent
 
 
 def build_connection(
     context: Context,
     index: int,
     form: ConnectionForm,
-    components: Mapping[str, Component],
+    components: Mapping[str, ScenarioComponent],
     channels: Mapping[str, Channel],
 ) -> Connection | None:
     """The connection, or ``None`` after reporting a problem (perhaps with one of its ends)."""
@@ -125,7 +125,7 @@ def _check_about(
     path: tuple[PathKey, ...],
     form: ConnectionForm,
     channel: Channel,
-    target: Component,
+    target: ScenarioComponent,
 ) -> bool:
     """Whether what a channel says about its packets is used where they arrive."""
     direction = form.source.path.partition(".")[0]

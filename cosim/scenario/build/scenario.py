@@ -19,7 +19,7 @@ from cosim.scenario.build.context import Context
 from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
 from cosim.scenario.form.document import Document, document_form
 from cosim.scenario.form.sections import Forms, plain, written_in
-from cosim.scenario.model import Channel, Component, Connection, Record, Scenario
+from cosim.scenario.model import Channel, Connection, Record, Scenario, ScenarioComponent
 from cosim.scenario.source.notation import components_in
 
 SECTIONS = ("components", "channels", "rates", "connections", "record", "expect")
@@ -190,7 +190,7 @@ def _check_names(context: Context) -> None:
             )
 
 
-def _components(context: Context) -> dict[str, Component]:
+def _components(context: Context) -> dict[str, ScenarioComponent]:
     built = {
         name: build_component(context, name, form)
         for name, form in context.document.components.items()
@@ -202,7 +202,7 @@ def _components(context: Context) -> dict[str, Component]:
     }
 
 
-def _channels(context: Context, components: dict[str, Component]) -> dict[str, Channel]:
+def _channels(context: Context, components: dict[str, ScenarioComponent]) -> dict[str, Channel]:
     known = {part.station for part in components.values()}
     complete = len(known) > 0 and len(components) == len(context.names("components"))
     channels: dict[str, Channel] = {}
@@ -241,7 +241,7 @@ def _channels(context: Context, components: dict[str, Component]) -> dict[str, C
 
 
 def _connections(
-    context: Context, components: dict[str, Component], channels: dict[str, Channel]
+    context: Context, components: dict[str, ScenarioComponent], channels: dict[str, Channel]
 ) -> tuple[Connection, ...]:
     built: list[Connection] = []
     places: dict[str, int] = {}

@@ -16,7 +16,7 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.theory.chance.packets import LinkProcess, Losses, Pattern, bernoulli, join
-from cosim.theory.models.frame import Assembly, assemble
+from cosim.theory.models.frame import FrameAssembly, assemble
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Real, largest_eigenvalue_of_map, spectral_radius
@@ -89,7 +89,7 @@ def symmetric_square(matrix: Real) -> Real:
     return one + np.where(rows == columns, 0.0, 1.0)[None, :] * other
 
 
-def jump_system(assembly: Assembly, pattern: Pattern, *, grounded: bool = False) -> JumpSystem:
+def jump_system(assembly: FrameAssembly, pattern: Pattern, *, grounded: bool = False) -> JumpSystem:
     """The one-frame maps of every outcome, on the quotient by translation.
 
     Coordinates are scaled so that what the links hold (N) and what moves (m) are alike in size.
@@ -147,7 +147,7 @@ def mean_square_radius(
     return jump_system(assembly, pattern, grounded=model.grounded).mean_square_radius()
 
 
-def without_translation_of(assembly: Assembly, model: Model) -> Real:
+def without_translation_of(assembly: FrameAssembly, model: Model) -> Real:
     """The one-frame map of a loop without links."""
     frame = assembly.frame()
     return frame.map if model.grounded else without_translation(frame.map, frame.translation)

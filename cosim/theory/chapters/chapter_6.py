@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from cosim.theory.models.parameters import TABLE_6_1, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.numerics import Real
 from cosim.theory.transparency.admittance import Case, Felt, Response, default_parameters, perceived
 from cosim.theory.transparency.damping import DampingModel, limit_damping
@@ -32,7 +32,7 @@ class AdmittanceFigure:
 
     def responses(self, frequencies: Real) -> dict[Felt, Response]:
         """Every curve at n = 1, the delay of the thesis's figures (frequencies in rad/s)."""
-        timing = Timing(delay=Delay.round_trip(1))
+        timing = Timing(delay=PathDelay.round_trip(1))
         return {
             felt: perceived(default_parameters(felt), timing, felt, self.case, frequencies)
             for felt in self.curves

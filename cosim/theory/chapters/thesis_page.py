@@ -15,7 +15,7 @@ from cosim.theory.chapters.chapter_6 import FIGURES as ADMITTANCE_FIGURES
 from cosim.theory.chapters.chapter_6 import table_6_1, table_6_2
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import CHAPTER_5, TABLE_6_1, WALL, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
 from cosim.theory.transparency.compensation import null_compensation
 from cosim.theory.transparency.damping import (
@@ -45,7 +45,7 @@ def _table(head: Row, rows: Sequence[Row]) -> str:
 
 def _timing(n: int = 0, ratio: int = 8, computation_delay: int = 0) -> Timing:
     return Timing(
-        ratio=Fraction(ratio), delay=Delay.round_trip(n), computation_delay=computation_delay
+        ratio=Fraction(ratio), delay=PathDelay.round_trip(n), computation_delay=computation_delay
     )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.theory.models.lifting import Lifted, Signal, lift
+from cosim.theory.models.lifting import Lifted, LiftedSignal, lift
 from cosim.theory.models.mass_spring_damper import Centralized, Distributed, Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Real
@@ -134,10 +134,10 @@ def _distributed_signals(
     plant: _Plant,
     hands: list[int | None],
     bodies: list[int],
-) -> list[Signal]:
+) -> list[LiftedSignal]:
     control, network = timing.control_ticks, timing.network_ticks
     late = timing.computation_delay
-    signals: list[Signal] = []
+    signals: list[LiftedSignal] = []
     for m, copy in enumerate(bodies):
         heard: dict[int, float] = {}
         own: list[tuple[int, float, float]] = []
@@ -152,11 +152,11 @@ def _distributed_signals(
             for body, stiffness, damping in pairs:
                 heard[len(signals)] = 1.0
                 row = plant.row((body, float(stiffness), float(damping)))
-                signals.append(Signal(network, row, delay=delay))
+                signals.append(LiftedSignal(network, row, delay=delay))
                 own.append((copy, -float(stiffness), -float(damping)))
         own.append((copy, -model.wall_stiffness, -model.wall_damping))
         signals.append(
-            Signal(control, plant.row(*own), heard, plant.force((copy, 1.0)), delay=late)
+            LiftedSignal(control, plant.row(*own), heard, plant.force((copy, 1.0)), delay=late)
         )
         signals.extend(
             _local(
@@ -169,7 +169,7 @@ def _distributed_signals(
 
 def _centralized_signals(
     model: Centralized, timing: Timing, plant: _Plant, hands: list[int | None], body: int
-) -> list[Signal]:
+) -> list[LiftedSignal]:
     control, network = timing.control_ticks, timing.network_ticks
     late = timing.computation_delay
     signals = _local(plant, hands[0], body, (model.stiffness[0], model.damping[0]), timing)
@@ -180,15 +180,15 @@ def _centralized_signals(
         stiffness, damping = float(model.stiffness[m]), float(model.damping[m])
         up = len(signals)
         row = plant.row((hand, stiffness, damping))
-        signals.append(Signal(network, row, delay=timing.delay.forward))
+        signals.append(LiftedSignal(network, row, delay=timing.delay.forward))
         own = plant.row((body, -stiffness, -damping))
-        signals.append(Signal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late))
+        signals.append(LiftedSignal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late))
         # What goes down: the coupler's force at the network instant.
-        down = Signal(
+        down = LiftedSignal(
             network, own, {up: 1.0}, plant.force((hand, -1.0)), delay=timing.delay.backward
         )
         if late:
-            down = Signal(
+            down = LiftedSignal(
                 network,
                 np.zeros(plant.size),
                 {up + 1: 1.0},
@@ -197,22 +197,22 @@ def _centralized_signals(
             )
         signals.append(down)
     wall = plant.row((body, -model.wall_stiffness, -model.wall_damping))
-    signals.append(Signal(control, wall, {}, plant.force((body, 1.0)), delay=late))
+    signals.append(LiftedSignal(control, wall, {}, plant.force((body, 1.0)), delay=late))
     signals.append(_compensation(plant, body, model.compensation, control))
     return signals
 
 
 def _local(
     plant: _Plant, hand: int | None, body: int, gains: tuple[float, float], timing: Timing
-) -> list[Signal]:
+) -> list[LiftedSignal]:
     """The coupler of a user's own hand, computed at T_c."""
     if hand is None:
         return []
     k, b = float(gains[0]), float(gains[1])
     row = plant.row((hand, k, b), (body, -k, -b))
     force = plant.force((hand, -1.0), (body, 1.0))
-    return [Signal(timing.control_ticks, row, {}, force, delay=timing.computation_delay)]
+    return [LiftedSignal(timing.control_ticks, row, {}, force, delay=timing.computation_delay)]
 
 
-def _compensation(plant: _Plant, body: int, value: float, control: int) -> Signal:
-    return Signal(control, plant.row((body, 0.0, -value)), {}, plant.force((body, 1.0)))
+def _compensation(plant: _Plant, body: int, value: float, control: int) -> LiftedSignal:
+    return LiftedSignal(control, plant.row((body, 0.0, -value)), {}, plant.force((body, 1.0)))

@@ -95,7 +95,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Assembly:
+class FrameAssembly:
     """Stations and links of a cooperative loop, before the network's events are chosen."""
 
     stations: tuple[Station, ...]
@@ -118,7 +118,7 @@ class Assembly:
         return _assemble(self, events, depth)
 
 
-def assemble(model: Model, timing: Timing) -> Assembly:
+def assemble(model: Model, timing: Timing) -> FrameAssembly:
     """The stations and links of a model.
 
     Raises:
@@ -130,7 +130,7 @@ def assemble(model: Model, timing: Timing) -> Assembly:
         stations, links = _centralized(model, timing, period)
     else:
         stations, links = _distributed(model, timing, period)
-    return Assembly(tuple(stations), tuple(links), model.users, samples, period)
+    return FrameAssembly(tuple(stations), tuple(links), model.users, samples, period)
 
 
 def _hand(model: Model, user: int) -> tuple[float, float, float]:
@@ -214,7 +214,7 @@ def _centralized(
 
 
 def _assemble(
-    assembly: Assembly, events: Sequence[int] | None, depth: Sequence[int] | None
+    assembly: FrameAssembly, events: Sequence[int] | None, depth: Sequence[int] | None
 ) -> Frame:
     stations, links = assembly.stations, assembly.links
     offsets = np.concatenate([[0], np.cumsum([station.A.shape[-1] for station in stations])])
@@ -298,7 +298,7 @@ def _assemble(
 
 
 def _ports(
-    assembly: Assembly, offset: list[int]
+    assembly: FrameAssembly, offset: list[int]
 ) -> tuple[tuple[int | None, ...], tuple[int, ...], Real, Real]:
     """Where the hands and objects are in the state, and what a force on them does."""
     hands: list[int | None] = []

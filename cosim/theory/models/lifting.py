@@ -18,7 +18,7 @@ from cosim.theory.numerics import Real
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class LiftedSignal:
     """A value that is computed every ``period`` base ticks and held from ``delay`` samples later.
 
     Attributes:
@@ -87,7 +87,7 @@ def input_blocks(powers: Real, integrals: Real, b: Real, period: int) -> Real:
 
 def lift(
     A: Real,
-    signals: Sequence[Signal],
+    signals: Sequence[LiftedSignal],
     tick: float,
     external: Real | None = None,
     ticks: int | None = None,

@@ -16,7 +16,7 @@ LONGEST_HYPERPERIOD = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class Delay:
+class PathDelay:
     """The delay of the two directions of a channel, in whole network samples.
 
     ``forward`` is from the first-named end (centralized: from the client to the server;
@@ -44,18 +44,18 @@ class Delay:
                 )
 
     @staticmethod
-    def round_trip(samples: int) -> Delay:
+    def round_trip(samples: int) -> PathDelay:
         """A round trip of n samples: ⌈n/2⌉ forward and ⌊n/2⌋ backward."""
         if samples < 0:
             raise InputError(
                 f"The round-trip delay is {samples} network samples: it cannot be negative."
             )
-        return Delay(forward=samples - samples // 2, backward=samples // 2)
+        return PathDelay(forward=samples - samples // 2, backward=samples // 2)
 
     @staticmethod
-    def each_way(samples: int) -> Delay:
+    def each_way(samples: int) -> PathDelay:
         """The same n samples in both directions."""
-        return Delay(forward=samples, backward=samples)
+        return PathDelay(forward=samples, backward=samples)
 
     @property
     def total(self) -> int:
@@ -76,7 +76,7 @@ class Timing:
 
     control_period: Fraction = Fraction(1, 1024)
     ratio: Fraction = Fraction(8)
-    delay: Delay = field(default_factory=Delay)
+    delay: PathDelay = field(default_factory=PathDelay)
     computation_delay: int = 0
 
     def __post_init__(self) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.models.station import Station, Value, hand_alone, object_station
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.numerics import Bool, Real
 from cosim.theory.stability.schur_cohn import all_roots_inside, divide_by_z_minus_one, multiply
 from cosim.theory.stability.spectral_radius import stability
@@ -238,6 +238,6 @@ def _by_eigenvalues(
                 {x.name: float(horizontal), y.name: float(vertical)}
             ).model()
             for number, delay in enumerate(round_trips):
-                timed = replace(timing, delay=Delay.round_trip(delay))
+                timed = replace(timing, delay=PathDelay.round_trip(delay))
                 maps[number, row, column] = stability(model, timed).stable
     return maps

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmus.table import Enumeration, Item, Model, Variable
+from fmus.table import Enumeration, Item, Model, ModelVariable
 
 KIND = Enumeration(
     name="failure_kind",
@@ -24,15 +24,15 @@ MODEL = Model(
     description="Fails at a chosen step in a chosen way",
     sources=("model.c",),
     variables=(
-        Variable(name="value", description="Steps done", causality="output", unit="1"),
-        Variable(
+        ModelVariable(name="value", description="Steps done", causality="output", unit="1"),
+        ModelVariable(
             name="input",
             description="Not used, to be connected",
             causality="input",
             unit="1",
             start=0.0,
         ),
-        Variable(
+        ModelVariable(
             name="kind",
             description="What goes wrong",
             causality="parameter",
@@ -40,7 +40,7 @@ MODEL = Model(
             enumeration=KIND,
             start=0,
         ),
-        Variable(
+        ModelVariable(
             name="at",
             description="Number of good steps before",
             causality="parameter",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 MODEL = Model(
     name="probe_fixed_step",
@@ -10,7 +10,9 @@ MODEL = Model(
     sources=("model.c",),
     variable_step=False,
     variables=(
-        Variable(name="steps", description="Steps done", causality="output", type="integer"),
-        Variable(name="end", description="Where the last step ended", causality="output", unit="s"),
+        ModelVariable(name="steps", description="Steps done", causality="output", type="integer"),
+        ModelVariable(
+            name="end", description="Where the last step ended", causality="output", unit="s"
+        ),
     ),
 )

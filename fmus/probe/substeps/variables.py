@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 MODEL = Model(
     name="probe_substeps",
@@ -10,12 +10,12 @@ MODEL = Model(
     sources=("model.c",),
     default_step=1 / 4096,
     variables=(
-        Variable(
+        ModelVariable(
             name="rate", description="What is integrated", causality="input", unit="1/s", start=1.0
         ),
-        Variable(name="integral", description="Its integral", causality="output", unit="1"),
-        Variable(name="steps", description="Steps done", causality="output", type="integer"),
-        Variable(
+        ModelVariable(name="integral", description="Its integral", causality="output", unit="1"),
+        ModelVariable(name="steps", description="Steps done", causality="output", type="integer"),
+        ModelVariable(
             name="maximum_step",
             description="Longest step that is taken",
             causality="parameter",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 
 
-def _integer(name: str, description: str, **more: Any) -> Variable:
-    return Variable(name=name, description=description, type="integer", **more)
+def _integer(name: str, description: str, **more: Any) -> ModelVariable:
+    return ModelVariable(name=name, description=description, type="integer", **more)
 
 
 MODEL = Model(
@@ -17,7 +17,7 @@ MODEL = Model(
     sources=("model.c",),
     variables=(
         _integer("heard", "A tick, from another probe", causality="input", start=-1),
-        Variable(
+        ModelVariable(
             name="heard_real",
             description="A tick as a real number, from another probe",
             causality="input",
@@ -25,9 +25,9 @@ MODEL = Model(
             start=-1.0,
         ),
         _integer("tick", "Base ticks at the committed time", causality="output"),
-        Variable(name="tick_real", description="The same", causality="output", unit="1"),
+        ModelVariable(name="tick_real", description="The same", causality="output", unit="1"),
         _integer("seen", "What is heard now", causality="output", depends_on=("heard",)),
-        Variable(
+        ModelVariable(
             name="seen_real",
             description="What is heard now",
             causality="output",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fmus.table import Causality, Enumeration, Item, Model, Type, Variable
+from fmus.table import Causality, Enumeration, Item, Model, ModelVariable, Type
 
 COLOUR = Enumeration(
     name="colour",
@@ -17,9 +17,9 @@ COLOUR = Enumeration(
 )
 
 
-def _both(name: str, kind: Type, start: Any, size: int | None = None) -> tuple[Variable, ...]:
-    def one(suffix: str, causality: Causality) -> Variable:
-        return Variable(
+def _both(name: str, kind: Type, start: Any, size: int | None = None) -> tuple[ModelVariable, ...]:
+    def one(suffix: str, causality: Causality) -> ModelVariable:
+        return ModelVariable(
             name=f"{name}_{suffix}",
             description=f"{name} {suffix}",
             causality=causality,

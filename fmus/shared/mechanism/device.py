@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.base.meaning import Meaning
-from fmus.table import Enumeration, Item, Variable
+from fmus.table import Enumeration, Item, ModelVariable
 
 HEADER = Path(__file__).with_name("device_parameters.h")
 
@@ -37,9 +37,9 @@ def presets(section: Literal["GEOMETRY", "DYNAMICS"]) -> dict[str, tuple[float, 
     }
 
 
-def device_choice(description: str = "Preset of the device") -> Variable:
+def device_choice(description: str = "Preset of the device") -> ModelVariable:
     """The parameter that chooses the preset."""
-    return Variable(
+    return ModelVariable(
         name="device",
         description=description,
         causality="parameter",
@@ -50,10 +50,10 @@ def device_choice(description: str = "Preset of the device") -> Variable:
     )
 
 
-def device_parameters(section: Literal["GEOMETRY", "DYNAMICS"]) -> tuple[Variable, ...]:
+def device_parameters(section: Literal["GEOMETRY", "DYNAMICS"]) -> tuple[ModelVariable, ...]:
     """One parameter for each entry of a list in the header; -1 takes the preset's value."""
     return tuple(
-        Variable(
+        ModelVariable(
             name=entry["name"],
             description=f"{entry['description'][0].upper()}{entry['description'][1:]}. -1: the "
             f"preset's, {entry['quanser']} (Quanser-like) or {entry['haply']} (Haply-like)",
@@ -68,10 +68,10 @@ def device_parameters(section: Literal["GEOMETRY", "DYNAMICS"]) -> tuple[Variabl
     )
 
 
-def placement_parameters() -> tuple[Variable, ...]:
+def placement_parameters() -> tuple[ModelVariable, ...]:
     """Where the device stands in the world: SE(2) of the device's frame."""
     return (
-        Variable(
+        ModelVariable(
             name="base_x",
             description="World x of the device frame's origin, the axis of motor 1",
             causality="parameter",
@@ -79,7 +79,7 @@ def placement_parameters() -> tuple[Variable, ...]:
             start=0.0,
             meaning=Meaning.OWN_DEVICE,
         ),
-        Variable(
+        ModelVariable(
             name="base_y",
             description="World y of the device frame's origin, the axis of motor 1",
             causality="parameter",
@@ -87,7 +87,7 @@ def placement_parameters() -> tuple[Variable, ...]:
             start=0.0,
             meaning=Meaning.OWN_DEVICE,
         ),
-        Variable(
+        ModelVariable(
             name="base_angle",
             description="Angle of the device's x axis (motor 1 to motor 2) in the world",
             causality="parameter",

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
-from fmus.table import Enumeration, Group, Item, Terminal, Variable
+from fmus.table import Enumeration, Group, Item, ModelVariable, Terminal
 
 FINGERS = 2
 PEERS = 3
@@ -84,9 +84,9 @@ def real(
     minimum: float | None = None,
     size: int | None = None,
     meaning: Meaning | None = None,
-) -> Variable:
+) -> ModelVariable:
     """A real parameter."""
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality="parameter",
@@ -107,9 +107,9 @@ def integer(
     maximum: int,
     size: int | None = None,
     meaning: Meaning | None = None,
-) -> Variable:
+) -> ModelVariable:
     """An integer parameter."""
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality="parameter",
@@ -122,9 +122,9 @@ def integer(
     )
 
 
-def choice(name: str, description: str, enumeration: Enumeration, start: int = 0) -> Variable:
+def choice(name: str, description: str, enumeration: Enumeration, start: int = 0) -> ModelVariable:
     """An enumeration parameter."""
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality="parameter",
@@ -134,9 +134,9 @@ def choice(name: str, description: str, enumeration: Enumeration, start: int = 0
     )
 
 
-def switch(name: str, description: str, *, start: bool = False) -> Variable:
+def switch(name: str, description: str, *, start: bool = False) -> ModelVariable:
     """A boolean parameter."""
-    return Variable(
+    return ModelVariable(
         name=name, description=description, causality="parameter", type="boolean", start=start
     )
 
@@ -150,9 +150,9 @@ def output(
     size: int | None = None,
     meaning: Meaning | tuple[Meaning, ...] | None = None,
     finger: int | None = None,
-) -> Variable:
+) -> ModelVariable:
     """A real output with a unit, an integer one without."""
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality="output",
@@ -173,9 +173,9 @@ def signal(
     start: float = 0,
     size: int | None = None,
     meaning: Meaning | None = None,
-) -> Variable:
+) -> ModelVariable:
     """A real input with a unit, an integer one without."""
-    return Variable(
+    return ModelVariable(
         name=name,
         description=description,
         causality="input",
@@ -187,7 +187,7 @@ def signal(
     )
 
 
-def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
+def station_parameters(*, peers: bool = True) -> tuple[ModelVariable, ...]:
     """How a workstation samples and estimates; ``peers`` adds how many others there are."""
     count = integer("peers", "Number of other workstations in use", 1, minimum=0, maximum=PEERS)
     return (
@@ -234,7 +234,7 @@ def station_parameters(*, peers: bool = True) -> tuple[Variable, ...]:
     )
 
 
-def wave_parameters() -> tuple[Variable, ...]:
+def wave_parameters() -> tuple[ModelVariable, ...]:
     """How a client and its server exchange motion and force; both must agree."""
     return (
         choice("force_channel", "What carries hand and force; as at the other end", FORCE_CHANNEL),
@@ -249,9 +249,9 @@ def wave_parameters() -> tuple[Variable, ...]:
     )
 
 
-def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[ModelVariable, ...]:
     """The waves of a packet, as outputs or as inputs."""
-    members: list[Variable] = []
+    members: list[ModelVariable] = []
     for number in range(1, FINGERS + 1):
         name, text = f"finger_{number}_wave", f"Integral of the wave of finger {number}"
         if sent:
@@ -261,7 +261,7 @@ def wave_members(*, sent: bool, depends_on: tuple[str, ...] = ()) -> tuple[Varia
     return tuple(members)
 
 
-def deadband_parameters() -> tuple[Variable, ...]:
+def deadband_parameters() -> tuple[ModelVariable, ...]:
     """What a packet need not tell because nobody would feel it."""
     return (
         integer(
@@ -297,7 +297,7 @@ def deadband_parameters() -> tuple[Variable, ...]:
     )
 
 
-def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
+def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[ModelVariable, ...]:
     """How much the deadband saves: 1 - sent / due; ``depends_on`` adds to the fingers' inputs."""
     return (
         output("packets_due", "Packets so far, one each network period", None),
@@ -310,10 +310,10 @@ def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[Variable, ...]:
     )
 
 
-def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
+def peer_inputs(peers: int = PEERS) -> tuple[ModelVariable, ...]:
     """What the link says of each of ``peers`` peers."""
     return (
-        Variable(
+        ModelVariable(
             name="peer_weight",
             description="Scales everything that comes from peer p, between 0 and 1",
             causality="input",
@@ -325,7 +325,7 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
             meaning=Meaning.PEER_WEIGHT,
             each="peer",
         ),
-        Variable(
+        ModelVariable(
             name="peer_valid",
             description="False takes the weight of peer p as 0",
             causality="input",
@@ -335,7 +335,7 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
             meaning=Meaning.PEER_VALID,
             each="peer",
         ),
-        Variable(
+        ModelVariable(
             name="peer_age",
             description="Ticks since what peer p says was measured; 0 where the link does not say",
             causality="input",
@@ -349,7 +349,7 @@ def peer_inputs(peers: int = PEERS) -> tuple[Variable, ...]:
     )
 
 
-def finger_group(force_depends_on: tuple[str, ...], *extra: Variable) -> Group:
+def finger_group(force_depends_on: tuple[str, ...], *extra: ModelVariable) -> Group:
     """An own finger; ``force_depends_on`` adds to the finger's own inputs."""
     rendered = (*FINGER_INPUTS, *force_depends_on)
     return Group(
@@ -439,14 +439,14 @@ _STATUS = (
 
 def packet_outputs(
     *, motion: bool, box: bool, force: tuple[str, ...] | None = None
-) -> tuple[Variable, ...]:
+) -> tuple[ModelVariable, ...]:
     """The members of a packet that a workstation sends.
 
     ``motion``, ``box`` and ``force`` choose what it carries; ``force`` names what the forces depend
     on. Every member depends on all that is compared, because the deadband renews all at once.
     """
     content = ALL_FINGER_INPUTS if force is None else force
-    members: list[Variable] = []
+    members: list[ModelVariable] = []
     for number in range(1, FINGERS + 1):
         if motion:
             members += [
@@ -474,9 +474,9 @@ def packet_outputs(
     return tuple(members)
 
 
-def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ...]:
+def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[ModelVariable, ...]:
     """The members of a packet that a workstation receives."""
-    members: list[Variable] = []
+    members: list[ModelVariable] = []
     for number in range(1, FINGERS + 1):
         if motion:
             members += [
@@ -502,9 +502,9 @@ def packet_inputs(*, motion: bool, box: bool, force: bool) -> tuple[Variable, ..
     return tuple(replace(member, meaning=Meaning.PEER_STATE) for member in members)
 
 
-def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variable, ...]:
+def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[ModelVariable, ...]:
     """The contacts of another workstation's fingers with the box that is simulated here."""
-    members: list[Variable] = []
+    members: list[ModelVariable] = []
     for number in range(1, FINGERS + 1):
         members += [
             output(
@@ -515,7 +515,7 @@ def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variabl
                 meaning=Meaning.NORMAL_FORCE,
                 finger=number,
             ),
-            Variable(
+            ModelVariable(
                 name=f"finger_{number}_contact_state",
                 description=f"State of the {who}'s finger {number} on this box",
                 causality="output",
@@ -535,7 +535,7 @@ def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[Variabl
     return tuple(members)
 
 
-def packet_terminal(name: str, description: str, members: tuple[Variable, ...]) -> Terminal:
+def packet_terminal(name: str, description: str, members: tuple[ModelVariable, ...]) -> Terminal:
     """A terminal whose members are the variables of the group with the same name."""
     return Terminal(
         name=name,

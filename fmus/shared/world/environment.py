@@ -17,7 +17,7 @@ from fmus.shared.workstation.variables import (
     real,
     switch,
 )
-from fmus.table import Enumeration, Group, Item, Variable
+from fmus.table import Enumeration, Group, Item, ModelVariable
 
 INTEGRATION = Enumeration(
     name="Integration",
@@ -70,7 +70,7 @@ OUR_SET = (
 )
 
 
-def _surface(prefix: str, who: str, values: Coupler, source: str) -> tuple[Variable, ...]:
+def _surface(prefix: str, who: str, values: Coupler, source: str) -> tuple[ModelVariable, ...]:
     names = (
         ("normal_stiffness", "Stiffness along the normal", "N/m"),
         ("normal_damping", "Damping along the normal", "N.s/m"),
@@ -85,7 +85,7 @@ def _surface(prefix: str, who: str, values: Coupler, source: str) -> tuple[Varia
 
 def coupler_parameters(
     local: Coupler, remote: Coupler, local_source: str, remote_source: str
-) -> tuple[Variable, ...]:
+) -> tuple[ModelVariable, ...]:
     """Virtual couplers between fingers and box and their friction."""
     return (
         *_surface("local", "the own fingers' couplers", local, local_source),
@@ -113,7 +113,7 @@ def coupler_parameters(
     )
 
 
-def coupling_parameters() -> tuple[Variable, ...]:
+def coupling_parameters() -> tuple[ModelVariable, ...]:
     """K_o, B_o between copies of the box and the damping compensation."""
     return (
         real("coupling_stiffness", f"K_o between copies of the box. {OUR_SET}", "N/m", 77.5),
@@ -150,7 +150,7 @@ def compensation_group() -> Group:
     )
 
 
-def box_parameters() -> tuple[Variable | Group, ...]:
+def box_parameters() -> tuple[ModelVariable | Group, ...]:
     """The box, the ground and the integration."""
     return (
         choice("environment", "The object that the users hold", ENVIRONMENT),
@@ -210,7 +210,7 @@ def wall_group() -> Group:
     )
 
 
-def peer_parameters() -> tuple[Variable, ...]:
+def peer_parameters() -> tuple[ModelVariable, ...]:
     """How peers are read."""
     return (
         choice("predictor", "Where a peer is between its packets", PREDICTOR),
@@ -224,7 +224,7 @@ def peer_parameters() -> tuple[Variable, ...]:
     )
 
 
-def finger_contact_outputs() -> tuple[Variable, ...]:
+def finger_contact_outputs() -> tuple[ModelVariable, ...]:
     """What the contact machine says of an own finger."""
     return (
         output(
@@ -240,7 +240,7 @@ def finger_contact_outputs() -> tuple[Variable, ...]:
             "N",
             FINGER_INPUTS,
         ),
-        Variable(
+        ModelVariable(
             name="contact_state",
             description="State of the contact with the box",
             causality="output",
@@ -259,7 +259,7 @@ def finger_contact_outputs() -> tuple[Variable, ...]:
     )
 
 
-def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[Variable | Group, ...]:
+def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[ModelVariable | Group, ...]:
     """The box and the wrenches on it; ``peer_inputs`` are the inputs that carry the peers."""
     own = tuple(i.replace("{group}", "finger_*") for i in FINGER_INPUTS)
     return (

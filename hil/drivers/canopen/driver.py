@@ -21,7 +21,7 @@ from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
-from hil.drivers.canopen.set_up import Timing, set_up
+from hil.drivers.canopen.set_up import CanopenTiming, set_up
 from hil.drivers.canopen.settings import (
     WATCHDOG_MS,
     CanopenOptions,
@@ -33,7 +33,7 @@ from hil.drivers.canopen.supervision import Events, Supervision, told_under
 from hil.drivers.canopen.zero_check import ZeroCheck
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.wire.can_bus import CanBus, open_bus
 from hil.wire.ownership import OwnedNodes
@@ -71,7 +71,7 @@ class CanopenDriver(Driver):
     _proved = False
 
     @classmethod
-    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
+    def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
         """A PDO of positions or values for each node, and the bus's one SYNC."""
         return BusUse(layout_of(address, file).frames, shared=SYNC_FRAME)
 
@@ -96,7 +96,7 @@ class CanopenDriver(Driver):
         self._proved = self._running = self._armed = False
         self._begin()
         bus = self._joined()
-        timing = Timing(
+        timing = CanopenTiming(
             heartbeat_ms=self._heartbeat_ms,
             watchdog_ms=self._watchdog_ms,
             producer=self.heartbeat,

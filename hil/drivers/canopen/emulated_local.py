@@ -11,7 +11,7 @@ from typing import Any
 import canopen
 
 from hil.drivers.canopen.emulated_objects import dictionary
-from hil.emulation.board import Frame, Unit
+from hil.emulation.board import BoardFrame, Unit
 
 
 @dataclass
@@ -33,17 +33,17 @@ class Periodic:
         self.stopped = True
 
 
-class Wire(canopen.Network):
+class LocalWire(canopen.Network):
     """What the package's local nodes send into; no bus and no thread behind it."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.frames: list[Frame] = []
+        self.frames: list[BoardFrame] = []
         self.periodic: list[Periodic] = []
 
     def send_message(self, can_id: int, data: Any, remote: bool = False) -> None:
         """Collect a frame."""
-        self.frames.append(Frame(can_id, bytes(data)))
+        self.frames.append(BoardFrame(can_id, bytes(data)))
 
     def send_periodic(
         self,

@@ -15,8 +15,8 @@ from typing import Any
 
 from canopen.sdo.exceptions import SdoAbortedError
 
-from hil.drivers.canopen.emulated_local import Local, Wire
-from hil.emulation.board import Frame, Unit
+from hil.drivers.canopen.emulated_local import Local, LocalWire
+from hil.emulation.board import BoardFrame, Unit
 from hil.emulation.world import World
 
 ENTRIES = 2
@@ -40,10 +40,10 @@ class Axes:
     """Sub-index of 6411h -> joint."""
 
 
-class Node:
+class EmulatedNode:
     """One node on the bus."""
 
-    def __init__(self, number: int, its: Axes, wire: Wire, world: World) -> None:
+    def __init__(self, number: int, its: Axes, wire: LocalWire, world: World) -> None:
         self.its, self._world, self._wire = its, world, wire
         self.local: Any = Local(number)
         self.value: Callable[[int, int], int] = self.local.value
@@ -100,7 +100,7 @@ class Node:
         for number in (0, 1):
             identifier = self.value(0x1800 + number, 1)
             if not identifier & _INVALID and 1 <= self.value(0x1800 + number, 2) <= 240:
-                frames.append(Frame(identifier & 0x7FF, self._packed(0x1A00 + number)))
+                frames.append(BoardFrame(identifier & 0x7FF, self._packed(0x1A00 + number)))
         return frames
 
     def hear(self, producer: int, now: float) -> None:

@@ -7,9 +7,9 @@ import struct
 
 from canopen.sdo.exceptions import SdoError
 
-from hil.drivers.canopen.emulated_local import Wire
-from hil.drivers.canopen.emulated_node import Axes, Node
-from hil.emulation.board import Board, Frame, Unit
+from hil.drivers.canopen.emulated_local import LocalWire
+from hil.drivers.canopen.emulated_node import Axes, EmulatedNode
+from hil.emulation.board import Board, BoardFrame, Unit
 from hil.emulation.faults import FaultKind
 from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
@@ -47,9 +47,10 @@ class CanopenBoard(Board):
         self, world: World, *, nodes: tuple[int, ...] = (1,), tick: float = 1 / 1024
     ) -> None:
         super().__init__(world)
-        self._wire, self._tick, self._time = Wire(), tick, 0.0
+        self._wire, self._tick, self._time = LocalWire(), tick, 0.0
         self._nodes = {
-            number: Node(number, its, self._wire, world) for number, its in axes(nodes).items()
+            number: EmulatedNode(number, its, self._wire, world)
+            for number, its in axes(nodes).items()
         }
         self._wire.taken()  # nobody was there to see the nodes boot
         self._had: set[int] = set()
@@ -61,7 +62,7 @@ class CanopenBoard(Board):
 
     def receive(self, unit: Unit) -> list[Unit]:
         """Take one frame; SYNC ends the tick."""
-        assert isinstance(unit, Frame)
+        assert isinstance(unit, BoardFrame)
         if unit.identifier == SYNC:
             self.world.boundary()
             answers = [frame for node in self._nodes.values() for frame in node.sync()]
@@ -82,11 +83,11 @@ class CanopenBoard(Board):
             each.due = each.due or self._time
             if self._time >= each.due:
                 each.due += each.period
-                self._wire.frames.append(Frame(each.identifier, each.data))
+                self._wire.frames.append(BoardFrame(each.identifier, each.data))
         self._apply()
         return self._wire.taken()
 
-    def _take(self, frame: Frame) -> None:
+    def _take(self, frame: BoardFrame) -> None:
         function, number = frame.identifier & ~0x7F, frame.identifier & 0x7F
         if function == 0x000 and len(frame.data) == 2:
             self._command(frame)
@@ -100,7 +101,7 @@ class CanopenBoard(Board):
             with contextlib.suppress(struct.error, LookupError, ArithmeticError, SdoError):
                 self._wire.notify(frame.identifier, bytearray(frame.data), self._time)
 
-    def _command(self, frame: Frame) -> None:
+    def _command(self, frame: BoardFrame) -> None:
         command, number = frame.data
         for each, node in self._nodes.items():
             if number not in (0, each):

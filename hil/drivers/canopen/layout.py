@@ -58,7 +58,7 @@ class Output:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class CanopenLayout:
     """Encoders and outputs, joint by joint."""
 
     encoders: tuple[Encoder, Encoder]
@@ -99,26 +99,26 @@ def layout(
     nodes: tuple[int, ...],
     encoders: Sequence[ObjectForm] | None = None,
     outputs: Sequence[ObjectForm] | None = None,
-) -> Layout:
+) -> CanopenLayout:
     """The usual layout of one, two or three nodes, with what is spelled out in its place."""
     usual = _usual(nodes)
-    return Layout(
+    return CanopenLayout(
         usual.encoders if encoders is None else (_encoder(encoders[0]), _encoder(encoders[1])),
         usual.outputs if outputs is None else (_output(outputs[0]), _output(outputs[1])),
     )
 
 
-def _usual(nodes: tuple[int, ...]) -> Layout:
+def _usual(nodes: tuple[int, ...]) -> CanopenLayout:
     if len(nodes) == 1:
         (node,) = nodes
-        return Layout(
+        return CanopenLayout(
             (_multi_sensor(node, 1), _multi_sensor(node, 2)),
             (_channel(node, 1), _channel(node, 2)),
         )
     first, second = _single_sensor(nodes[0]), _single_sensor(nodes[1])
     if len(nodes) == 2:
-        return Layout((first, second), (_channel(nodes[0], 1), _channel(nodes[1], 1)))
-    return Layout((first, second), (_channel(nodes[2], 1), _channel(nodes[2], 2)))
+        return CanopenLayout((first, second), (_channel(nodes[0], 1), _channel(nodes[1], 1)))
+    return CanopenLayout((first, second), (_channel(nodes[2], 1), _channel(nodes[2], 2)))
 
 
 def _multi_sensor(node: int, channel: int) -> Encoder:

@@ -13,7 +13,7 @@ from typing import Any
 
 from hil.device.errors import DeviceError
 from hil.drivers.canopen import protocol as wire
-from hil.drivers.canopen.layout import Encoder, Layout, Output
+from hil.drivers.canopen.layout import CanopenLayout, Encoder, Output
 from hil.drivers.canopen.protocol import Index, NmtCommand, Object
 from hil.wire.can_bus import CanBus
 
@@ -28,7 +28,7 @@ NOTIFIER_SECONDS = 0.005
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Timing:
+class CanopenTiming:
     """Supervision both ways, and how long a node may take to answer."""
 
     heartbeat_ms: int
@@ -134,8 +134,8 @@ class Remote:
 
 def set_up(
     bus: CanBus,
-    layout: Layout,
-    timing: Timing,
+    layout: CanopenLayout,
+    timing: CanopenTiming,
     units_per_turn: tuple[int, int],
     zero_codes: tuple[int, int],
 ) -> Found:
@@ -246,7 +246,7 @@ def _map(
     node.write(name, identifier)
 
 
-def _try_watchdog(node: Remote, timing: Timing) -> None:
+def _try_watchdog(node: Remote, timing: CanopenTiming) -> None:
     """Whether the node can watch us; it begins to when the device is activated."""
     entry = Object(Index.HEARTBEAT_CONSUMER, 1, 4)
     node.write(entry, wire.consumer(timing.producer, timing.watchdog_ms))

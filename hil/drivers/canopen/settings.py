@@ -10,10 +10,10 @@ from pydantic import Field, model_validator
 
 from cosim.base.document.form import Form, QuantityIn, problem
 from cosim.base.errors import InputError
-from hil.drivers.canopen.layout import Layout, layout
+from hil.drivers.canopen.layout import CanopenLayout, layout
 from hil.drivers.canopen.protocol import LAST_NODE
 from hil.safety.conversion import VoltageDrive
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import IntegersIn, read_options
 from hil.setup.settings import DriverSettings
@@ -128,7 +128,7 @@ class CanopenSettings(DriverSettings):
 class Settings:
     """A device's settings."""
 
-    layout: Layout
+    layout: CanopenLayout
     drives: tuple[VoltageDrive, VoltageDrive]
     heartbeat_ms: int
     watchdog_ms: int
@@ -143,7 +143,7 @@ class Settings:
         return self.drives[0].zero_code, self.drives[1].zero_code
 
 
-def settings(address: Address, file: DeviceFile, tick: float) -> Settings:
+def settings(address: DeviceAddress, file: DeviceFile, tick: float) -> Settings:
     """The settings of a device with control period ``tick`` (s).
 
     Raises:
@@ -160,7 +160,7 @@ def settings(address: Address, file: DeviceFile, tick: float) -> Settings:
     )
 
 
-def layout_of(address: Address, file: DeviceFile) -> Layout:
+def layout_of(address: DeviceAddress, file: DeviceFile) -> CanopenLayout:
     """The layout of a device, from its URL and its file.
 
     Raises:

@@ -17,7 +17,15 @@ from cosim.base.errors import InputError
 from hil.device.contract import NOTHING, ZERO, Received, Sample
 from hil.device.driver import Driver
 from hil.device.errors import ProtocolError
-from hil.drivers.haply.protocol import IO_BYTES, REPLY_BYTES, Axis, angles, reset, setup, torques
+from hil.drivers.haply.protocol import (
+    IO_BYTES,
+    REPLY_BYTES,
+    HaplyAxis,
+    angles,
+    reset,
+    setup,
+    torques,
+)
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
 from hil.setup.options import IntegersIn, read_options
@@ -76,7 +84,9 @@ class HaplyDriver(Driver):
         rotation = given.rotation
         self._number = given.device
         self._axes = [
-            Axis(port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn)
+            HaplyAxis(
+                port=ports[i], rotation=int(rotation[i]), counts_per_turn=joint.counts_per_turn
+            )
             for i, joint in enumerate(self.file.joints)
         ]
         self._port = SerialPort(self.address, self.pulse, self.number)
@@ -93,7 +103,7 @@ class HaplyDriver(Driver):
 
     def _set_up(self, shaft: Pair) -> None:
         axes = [
-            Axis(
+            HaplyAxis(
                 port=axis.port,
                 rotation=axis.rotation,
                 offset=degrees(angle),

@@ -24,7 +24,7 @@ LARGEST_DEGREES = 3600.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Axis:
+class HaplyAxis:
     """One motor and its encoder; ``port`` is 1 to 4, ``rotation`` the hAPI's 0 (CW) or 1 (CCW)."""
 
     port: int
@@ -39,7 +39,7 @@ def reset(device: int) -> bytes:
     return bytes((RESET, device))
 
 
-def setup(device: int, axes: Sequence[Axis]) -> bytes:
+def setup(device: int, axes: Sequence[HaplyAxis]) -> bytes:
     """Say which ports have motors and encoders, and preset the encoders (26 bytes for two)."""
     ordered = sorted(axes, key=lambda axis: axis.port)
     mask = sum(1 << (axis.port - 1) for axis in ordered)
@@ -50,13 +50,13 @@ def setup(device: int, axes: Sequence[Axis]) -> bytes:
     )
 
 
-def torques(device: int, axes: Sequence[Axis], values: Pair) -> bytes:
+def torques(device: int, axes: Sequence[HaplyAxis], values: Pair) -> bytes:
     """Command motor torques (N.m), given in the order of ``axes``."""
     by_port = [value for _, value in sorted(zip((a.port for a in axes), values, strict=True))]
     return struct.pack("<BBff", IO, device, *by_port)
 
 
-def angles(device: int, axes: Sequence[Axis], reply: bytes) -> Pair:
+def angles(device: int, axes: Sequence[HaplyAxis], reply: bytes) -> Pair:
     """Encoder angles (degrees) of a reply, in the order of ``axes``.
 
     Raises:

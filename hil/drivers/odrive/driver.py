@@ -20,11 +20,11 @@ from hil.device.contract import ZERO, BusUse, Received, Sample, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError
 from hil.drivers.odrive import protocol as wire
-from hil.drivers.odrive.protocol import Command, identifier
+from hil.drivers.odrive.protocol import OdriveCommand, identifier
 from hil.drivers.samples import sample_of_turns
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
-from hil.setup.address import Address
+from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import IntegersIn, read_options
 from hil.setup.settings import DriverSettings
@@ -98,7 +98,7 @@ class OdriveDriver(Driver):
     _owned: OwnedNodes | None = None
 
     @classmethod
-    def bus_use(cls, address: Address, file: DeviceFile) -> BusUse:
+    def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
         """Both axes' estimates and torques."""
         del address, file
         return BusUse(FRAMES)
@@ -122,11 +122,11 @@ class OdriveDriver(Driver):
         self._owned = self._bus.own(self._nodes)
         self._bus.join(self, FRAMES, 1 / self.tick)
         for node in self._nodes:
-            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
-            self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
-            self._to(node, Command.CLEAR_ERRORS)
-            self._to(node, Command.SET_MODES, wire.set_modes())
-            self._to(node, Command.SET_LIMITS, self._limits())
+            self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, OdriveCommand.SET_STATE, wire.set_state(wire.IDLE))
+            self._to(node, OdriveCommand.CLEAR_ERRORS)
+            self._to(node, OdriveCommand.SET_MODES, wire.set_modes())
+            self._to(node, OdriveCommand.SET_LIMITS, self._limits())
             self._set_watchdog(node)
         self._bus.keep_step()
         self._until(self._all_idle, "its axes do not report to be idle")
@@ -145,7 +145,7 @@ class OdriveDriver(Driver):
             (given.enable_endpoint, True),
         ):
             if endpoint is not None:
-                self._to(node, Command.WRITE_ENDPOINT, wire.write_endpoint(endpoint, value))
+                self._to(node, OdriveCommand.WRITE_ENDPOINT, wire.write_endpoint(endpoint, value))
 
     def receive(self) -> Received:
         bus = self._opened()
@@ -154,7 +154,7 @@ class OdriveDriver(Driver):
         return replace(told, sample=self._sample(bus))
 
     def _sample(self, bus: CanBus) -> Sample | None:
-        frames = [bus.latest(identifier(node, Command.ESTIMATES)) for node in self._nodes]
+        frames = [bus.latest(identifier(node, OdriveCommand.ESTIMATES)) for node in self._nodes]
         if any(
             frame is None or frame[0] == self._seen[node]
             for node, frame in zip(self._nodes, frames, strict=True)
@@ -173,7 +173,7 @@ class OdriveDriver(Driver):
         fresh, fired = 0, False
         wrong: BoardError | None = None
         for node in self._nodes:
-            frame = bus.latest(identifier(node, Command.HEARTBEAT))
+            frame = bus.latest(identifier(node, OdriveCommand.HEARTBEAT))
             if frame is None or frame[0] == self._beats[node]:
                 continue
             self._beats[node] = frame[0]
@@ -208,7 +208,7 @@ class OdriveDriver(Driver):
             if not isinstance(drive, TorqueDrive):
                 raise InputError("an ODrive takes torque: its 'drive' has a gear and a direction")
             code = drive.encode(value)
-            self._to(node, Command.SET_TORQUE, wire.set_torque(code))
+            self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(code))
             sent.append(drive.decode(code))
         return sent[0], sent[1]
 
@@ -217,15 +217,15 @@ class OdriveDriver(Driver):
         self._closed = False
         for node in self._nodes:
             if self._states[node] != wire.IDLE:
-                self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
-                self._to(node, Command.SET_STATE, wire.set_state(wire.IDLE))
+                self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(0.0))
+                self._to(node, OdriveCommand.SET_STATE, wire.set_state(wire.IDLE))
         return True
 
     def enter(self) -> None:
         for node in self._nodes:
-            self._to(node, Command.CLEAR_ERRORS)
-            self._to(node, Command.SET_TORQUE, wire.set_torque(0.0))
-            self._to(node, Command.SET_STATE, wire.set_state(wire.CLOSED_LOOP))
+            self._to(node, OdriveCommand.CLEAR_ERRORS)
+            self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(0.0))
+            self._to(node, OdriveCommand.SET_STATE, wire.set_state(wire.CLOSED_LOOP))
         self._until(
             lambda: set(self._states.values()) == {wire.CLOSED_LOOP},
             "its axes do not enter closed loop (are they calibrated?)",
@@ -268,7 +268,7 @@ class OdriveDriver(Driver):
     def _all_measured(self) -> bool:
         return all(self._seen.values())
 
-    def _to(self, node: int, command: Command, data: bytes = b"") -> None:
+    def _to(self, node: int, command: OdriveCommand, data: bytes = b"") -> None:
         self._opened().send(identifier(node, command), data)
 
     def _opened(self) -> CanBus:

@@ -12,10 +12,10 @@ from hil.drivers.odrive.protocol import (
     DEVICE_COMMANDS,
     IDLE,
     WATCHDOG_EXPIRED,
-    Command,
+    OdriveCommand,
     identifier,
 )
-from hil.emulation.board import Board, Frame, Unit
+from hil.emulation.board import Board, BoardFrame, Unit
 from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
 
@@ -26,7 +26,7 @@ WATCHDOG_TIMEOUT, WATCHDOG_ENABLE = 0x0101, 0x0102
 
 
 @dataclass
-class Axis:
+class OdriveAxis:
     """One axis."""
 
     state: int = IDLE
@@ -54,7 +54,7 @@ class OdriveBoard(Board):
         self._nodes = nodes
         self._counts = counts_per_turn
         self._tick = tick
-        self._axes = {node: Axis() for node in nodes}
+        self._axes = {node: OdriveAxis() for node in nodes}
         self._age = 0
         self._estimated = False
 
@@ -64,7 +64,7 @@ class OdriveBoard(Board):
 
     def receive(self, unit: Unit) -> list[Unit]:
         """Take one frame; a torque for both axes ends the tick."""
-        assert isinstance(unit, Frame)
+        assert isinstance(unit, BoardFrame)
         axis = self._axes.get(unit.identifier >> 5)
         if axis is None:
             return []
@@ -99,33 +99,33 @@ class OdriveBoard(Board):
         self._age += 1
         if self._age % HEARTBEAT_TICKS == 0:
             frames += [
-                Frame(
-                    identifier(node, Command.HEARTBEAT),
+                BoardFrame(
+                    identifier(node, OdriveCommand.HEARTBEAT),
                     struct.pack("<IBBBB", axis.error, axis.state, 0, 0, 0),
                 )
                 for node, axis in self._axes.items()
             ]
         return frames
 
-    def _command(self, axis: Axis, command: int, data: bytes) -> None:
+    def _command(self, axis: OdriveAxis, command: int, data: bytes) -> None:
         match command:
-            case Command.ESTOP:
+            case OdriveCommand.ESTOP:
                 axis.state, axis.torque = IDLE, 0.0
-            case Command.SET_STATE:
+            case OdriveCommand.SET_STATE:
                 (wanted,) = struct.unpack("<I", data)
                 if wanted in {IDLE, CLOSED_LOOP}:
                     axis.state = IDLE if axis.error else wanted
-            case Command.SET_TORQUE:
+            case OdriveCommand.SET_TORQUE:
                 (torque,) = struct.unpack("<f", data)
                 axis.torque, axis.commanded = torque if isfinite(torque) else 0.0, True
-            case Command.CLEAR_ERRORS:
+            case OdriveCommand.CLEAR_ERRORS:
                 axis.error = 0
-            case Command.WRITE_ENDPOINT:
+            case OdriveCommand.WRITE_ENDPOINT:
                 self._write(axis, data)
             case _:
                 pass
 
-    def _write(self, axis: Axis, data: bytes) -> None:
+    def _write(self, axis: OdriveAxis, data: bytes) -> None:
         _, endpoint, _ = struct.unpack_from("<BHB", data)
         if endpoint == WATCHDOG_TIMEOUT:
             (seconds,) = struct.unpack_from("<f", data, 4)
@@ -145,7 +145,9 @@ class OdriveBoard(Board):
         for node, angle in zip(self._nodes, self.world.angle(), strict=True):
             turns = round(angle / (2 * pi) * self._counts) / self._counts
             frames.append(
-                Frame(identifier(node, Command.ESTIMATES), struct.pack("<ff", turns, 0.0))
+                BoardFrame(
+                    identifier(node, OdriveCommand.ESTIMATES), struct.pack("<ff", turns, 0.0)
+                )
             )
         return frames
 

@@ -11,7 +11,7 @@ from enum import IntEnum
 from hil.device.errors import ProtocolError
 
 
-class Command(IntEnum):
+class OdriveCommand(IntEnum):
     """The commands used here."""
 
     HEARTBEAT = 0x01
@@ -29,11 +29,13 @@ class Command(IntEnum):
 IDLE, CLOSED_LOOP = 1, 8
 TORQUE_CONTROL, PASSTHROUGH = 1, 1
 WATCHDOG_EXPIRED = 0x01000000
-DEVICE_COMMANDS = frozenset({Command.HEARTBEAT, Command.ESTIMATES, Command.READ_ENDPOINT})
+DEVICE_COMMANDS = frozenset(
+    {OdriveCommand.HEARTBEAT, OdriveCommand.ESTIMATES, OdriveCommand.READ_ENDPOINT}
+)
 """What an axis sends; everything else comes from the host."""
 
 
-def identifier(node: int, command: Command) -> int:
+def identifier(node: int, command: OdriveCommand) -> int:
     """The CAN identifier of a command to, or from, a node (0 to 63)."""
     return node << 5 | command
 

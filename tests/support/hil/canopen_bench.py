@@ -15,7 +15,7 @@ import can
 from hil.device.device import Device
 from hil.drivers.canopen.driver import CanopenDriver
 from hil.drivers.canopen.emulator import CanopenBoard
-from hil.emulation.board import Frame
+from hil.emulation.board import BoardFrame
 from hil.emulation.world import World
 from hil.safety.linkage import Pair
 from hil.setup.address import parse
@@ -52,7 +52,7 @@ class Wire:
             CanopenBoard(World(puppet, lockstep=True), nodes=nodes)
             for puppet, nodes in zip(self.puppets, devices, strict=True)
         ]
-        self.seen: list[Frame] = []
+        self.seen: list[BoardFrame] = []
         self.deaf: set[int] = set()
         """Nodes whose frames are lost."""
         self._devices: list[Device] = []
@@ -94,7 +94,7 @@ class Wire:
             message = self._bus.recv(0.02)
             if message is None:
                 continue
-            frame = Frame(message.arbitration_id, bytes(message.data))
+            frame = BoardFrame(message.arbitration_id, bytes(message.data))
             self.seen.append(frame)
             for board in self.boards:
                 answers = board.receive(frame)

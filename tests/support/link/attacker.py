@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 from tests.support.link.whole import MILLISECOND, SECOND, World
 
 CALM = 9 * SECOND
@@ -62,7 +62,7 @@ class Attacker:
             return [(now + self.way, datagram)]
         if any(span.covers(source, now) for span in self.blackholes):
             return []
-        is_value = datagram[3] == Kind.DATA
+        is_value = datagram[3] == PacketKind.DATA
         if not is_value:
             self.recorded.append((source, target, datagram))
         if draw.random() < (self.loss if is_value else self.drops):
@@ -74,7 +74,11 @@ class Attacker:
         if not is_value:
             if draw.random() < self.holds:
                 due = now + draw.randrange(7 * SECOND)
-            if self.withholds and datagram[3] == Kind.KEEP and datagram[8:16] not in self.withheld:
+            if (
+                self.withholds
+                and datagram[3] == PacketKind.KEEP
+                and datagram[8:16] not in self.withheld
+            ):
                 self.withheld.add(datagram[8:16])
                 due = now + draw.randrange(SECOND, 6 * SECOND)
         out = [(due, datagram)]
@@ -103,7 +107,7 @@ class Attacker:
                 restart(name, draw.choice([0, 200 * MILLISECOND, 1500 * MILLISECOND]))
 
         def replay() -> None:
-            greetings = [m for m in self.recorded if m[2][3] <= Kind.COOKIE]
+            greetings = [m for m in self.recorded if m[2][3] <= PacketKind.COOKIE]
             if greetings:
                 source, target, content = draw.choice(greetings[-50:])
                 world.wire.put(world.wire.now + MILLISECOND, source, target, content)

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from cosim.testing.impairment import Impairer, Impairment
+from cosim.testing.impairment import BadNetwork, Impairer
 
 
 @dataclass
@@ -34,7 +34,7 @@ class Network:
     _queue: list = field(default_factory=list)
     _order: Callable[[], int] = field(default_factory=lambda: itertools.count().__next__)
 
-    def join(self, a: str, b: str, impairment: Impairment, seed: int = 1) -> None:
+    def join(self, a: str, b: str, impairment: BadNetwork, seed: int = 1) -> None:
         self.impairers[a, b] = Impairer(impairment, seed)
         self.impairers[b, a] = Impairer(impairment, seed + 1)
 

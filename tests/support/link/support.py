@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from cosim.link.session.keys import PreSharedKey, SessionKeys
-from cosim.link.stream.bundle import Bundle, Field, FieldRole
+from cosim.link.stream.bundle import Field, FieldRole, PacketBundle
 from cosim.link.stream.receiver import Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
 
@@ -16,8 +16,8 @@ KEY = PreSharedKey(bytes(range(32)))
 OTHER_KEY = PreSharedKey(bytes(range(1, 33)))
 
 
-def small_bundle(source: str = "a", target: str = "b", stream: int = 0) -> Bundle:
-    return Bundle(
+def small_bundle(source: str = "a", target: str = "b", stream: int = 0) -> PacketBundle:
+    return PacketBundle(
         source=source,
         target=target,
         fields=(

@@ -24,7 +24,7 @@ from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.stream.settings import LinkSettings
-from cosim.link.wire.packet import Kind
+from cosim.link.wire.packet import PacketKind
 from tests.support.link.simulated import SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, bundle
 
@@ -32,7 +32,7 @@ MILLISECOND = 1_000_000
 SECOND = 1_000_000_000
 RATE, PERIOD = 128, 1
 TICK_NS = SECOND / RATE
-SEALED = {Kind.DATA, Kind.KEEP}
+SEALED = {PacketKind.DATA, PacketKind.KEEP}
 
 
 def position(name: str, true: float) -> float:
@@ -208,7 +208,7 @@ class Station:
             self.negotiator.hear_of(alive, self._now())
 
     def serve_datagram(self, number: int, datagram: bytes, arrived: int) -> None:
-        if len(datagram) < 24 or datagram[3] < Kind.HELLO:
+        if len(datagram) < 24 or datagram[3] < PacketKind.HELLO:
             return
         peer = self.others[number]
         answer = self.negotiator.agreement.receive(peer, datagram, arrived, self._now())

@@ -11,7 +11,7 @@ from fractions import Fraction
 import numpy as np
 
 from cosim.base.component import Causality, Setup, VariableType
-from cosim.link.stream.bundle import Bundle, Field, FieldRole
+from cosim.link.stream.bundle import Field, FieldRole, PacketBundle
 from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
@@ -57,8 +57,8 @@ class SimulatedTransport:
         """There is no kernel here."""
 
 
-def bundle(source: str, target: str, rate: int, period: int) -> Bundle:
-    return Bundle(
+def bundle(source: str, target: str, rate: int, period: int) -> PacketBundle:
+    return PacketBundle(
         source=source,
         target=target,
         channel="lan",

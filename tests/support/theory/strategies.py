@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from cosim.theory.models.mass_spring_damper import Centralized, Distributed, Model
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 
 MASSES = st.floats(0.05, 2.0)
 STIFFNESSES = st.floats(1.0, 5000.0)
@@ -64,6 +64,6 @@ RATIONAL_RATIOS = st.builds(Fraction, st.integers(1, 7), st.integers(1, 4))
 def timings(ratios: st.SearchStrategy[Fraction]) -> st.SearchStrategy[Timing]:
     """Round trips of n = 0..3 split at will, with up to two ticks of computation delay."""
     delays = st.integers(0, 3).flatmap(
-        lambda n: st.integers(0, n).map(lambda i: Delay(forward=i, backward=n - i))
+        lambda n: st.integers(0, n).map(lambda i: PathDelay(forward=i, backward=n - i))
     )
     return st.builds(Timing, ratio=ratios, delay=delays, computation_delay=st.integers(0, 2))

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from cosim.base.errors import CohapticError, InputError
 from cosim.cli import cli
-from cosim.cli.support.command import Command
+from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile, OutputFolder
 
 Found = tuple[str, click.Command, click.Parameter]
@@ -138,7 +138,7 @@ def test_a_place_is_judged(found: Found, tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", EVERY)
 def test_bad_input_is_one_object_with_json(path: str) -> None:
     command = EVERY[path]
-    assert isinstance(command, Command)
+    assert isinstance(command, JsonCommand)
     if all(option.name != "as_json" for option in command.params):
         return
     done = CliRunner().invoke(cli, [*path.split(), "--json", "--no-such-option"])

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hil.device.contract import Cause, Outcome, State
+from hil.device.contract import Cause, State, WriteOutcome
 from hil.device.errors import DeviceError, DeviceFault
-from hil.emulation.board import Frame
+from hil.emulation.board import BoardFrame
 from hil.safety.permission import emulated
 from hil.setup.watchdog_proof import prove_watchdog
 from tests.support.hil.canopen_bench import REST, Wire, ready, run
@@ -42,7 +42,7 @@ def test_an_event_is_a_latched_fault_with_its_words(wire, event):
     run(device, 30)
     with pytest.raises(DeviceFault, match=words):
         device.raise_fault()
-    assert device.outcome is Outcome.ZERO_CONFIRMED
+    assert device.outcome is WriteOutcome.ZERO_CONFIRMED
     assert device.fault.cause is (Cause.BOARD if event == "emergency" else device.fault.cause)
     assert device.homed is (event == "emergency"), "its position is not the one that was homed"
     run(device, 30)
@@ -172,7 +172,7 @@ def test_a_node_that_holds_on_an_error_would_have_held(wire):
     device = ready(wire.device("1,2,3"))
     device.read(0)
     board, node = wire.boards[0], wire.node(3)
-    board.receive(Frame(0x203, struct.pack("<2h", 1000, 1000)))
+    board.receive(BoardFrame(0x203, struct.pack("<2h", 1000, 1000)))
     assert board.world.torque != (0.0, 0.0)
     node.local.set_data(0x6443, 1, b"\0")
     for _ in range(40):
@@ -192,6 +192,6 @@ def test_a_board_that_restarts_or_complains_is_zeroed(name, kind, bench: Bench):
     rig.fault(kind)
     rig.exchange(30, (0.008, -0.008))
     assert rig.device.state is State.FAULT
-    assert rig.device.outcome is Outcome.ZERO_CONFIRMED
+    assert rig.device.outcome is WriteOutcome.ZERO_CONFIRMED
     assert rig.truth()["torque"] == [0.0, 0.0]
     assert rig.device.homed is (kind == "alarm")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from hil.device.contract import ZERO, Flag, Outcome, State
+from hil.device.contract import ZERO, Flag, State, WriteOutcome
 from hil.safety.limits import DROP_TICKS
 from tests.support.hil import fault_table
 from tests.support.hil.driver_bench import DRIVERS, Bench
@@ -46,10 +46,11 @@ def words(rig, ticks_to_fault: int | None, oldest: int) -> str:
     if ticks_to_fault is None:
         return f"goes on, data at most {oldest} ticks old" if oldest else "not noticed"
     assert device.fault is not None
+    zeroed = ticks_to_fault + device.outcome_ticks
     outcome = {
-        Outcome.ZERO_CONFIRMED: f"zero confirmed in {ticks_to_fault + device.outcome_ticks} ticks",
-        Outcome.WATCHDOG: "device watchdog",
-        Outcome.UNKNOWN: "**output unknown**, cut the power",
+        WriteOutcome.ZERO_CONFIRMED: f"zero confirmed in {zeroed} ticks",
+        WriteOutcome.WATCHDOG: "device watchdog",
+        WriteOutcome.UNKNOWN: "**output unknown**, cut the power",
     }[device.outcome]
     return f"fault ({device.fault.cause}) in {ticks_to_fault} ticks; {outcome}"
 
@@ -79,12 +80,12 @@ def test_outcome(name: str, fault: str, bench: Bench):
     else:
         assert device.settled
         truth = rig.truth()
-        if device.outcome is Outcome.ZERO_CONFIRMED:
+        if device.outcome is WriteOutcome.ZERO_CONFIRMED:
             assert truth["torque"] == [0.0, 0.0], "confirmed has to mean true"
-        if device.outcome is Outcome.WATCHDOG:
+        if device.outcome is WriteOutcome.WATCHDOG:
             rig.emulator.control.ask("advance", ticks=40)
             assert rig.truth()["torque"] == [0.0, 0.0]
-        if device.outcome is Outcome.UNKNOWN:
+        if device.outcome is WriteOutcome.UNKNOWN:
             assert "cut the power" in device.fault_sentence()
         rig.exchange(20, (0.01, -0.01))
         assert device.state is State.FAULT, "latched"

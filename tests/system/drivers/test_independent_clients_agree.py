@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from hil.drivers.odrive import protocol as wire
 from hil.drivers.odrive.emulator import OdriveBoard
-from hil.drivers.odrive.protocol import Command, identifier
-from hil.emulation.board import Frame
+from hil.drivers.odrive.protocol import OdriveCommand, identifier
+from hil.emulation.board import BoardFrame
 from hil.emulation.world import World
 from tests.support.hil.driver_bench import Bench
 
@@ -71,7 +71,7 @@ torque = st.floats(-100, 100, width=32)
 @given(st.integers(0, 1), torque)
 def test_the_dbc_reads_the_torques_that_the_driver_sends(node, value):
     message = DATABASE.get_message_by_name(f"Axis{node}_Set_Input_Torque")
-    assert message.frame_id == identifier(node, Command.SET_TORQUE)
+    assert message.frame_id == identifier(node, OdriveCommand.SET_TORQUE)
     data = wire.set_torque(value)
     assert message.decode(data.ljust(message.length, b"\0"))["Input_Torque"] == value
 
@@ -81,7 +81,7 @@ def test_the_dbc_reads_the_torques_that_the_driver_sends(node, value):
 def test_the_driver_reads_estimates_that_the_dbc_encodes(node, position, velocity):
     message = DATABASE.get_message_by_name(f"Axis{node}_Get_Encoder_Estimates")
     data = message.encode({"Pos_Estimate": position, "Vel_Estimate": velocity})
-    assert message.frame_id == identifier(node, Command.ESTIMATES)
+    assert message.frame_id == identifier(node, OdriveCommand.ESTIMATES)
     assert wire.estimates(data) == (position, velocity)
 
 
@@ -100,7 +100,7 @@ def test_every_frame_of_the_emulator_is_in_the_dbc():
     ):
         for node in (0, 1):
             message = DATABASE.get_message_by_name(f"Axis{node}_{name}")
-            board.receive(Frame(message.frame_id, message.encode(signals)))
+            board.receive(BoardFrame(message.frame_id, message.encode(signals)))
     assert board.world.torque == (0.25, 0.25)
     frames = [frame for _ in range(10) for frame in board.tick()]
     decoded = {

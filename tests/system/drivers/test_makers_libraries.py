@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
 from cosim.cli import cli
-from hil.device.contract import ZERO, Cause, Outcome, State
+from hil.device.contract import ZERO, Cause, State, WriteOutcome
 from hil.device.device import Device
 from hil.device.errors import ActivationRefused, DeviceError, DeviceGone
 from hil.device.warnings import warnings_of
@@ -142,7 +142,7 @@ def test_an_error_while_reading_is_zero_and_fault_in_the_same_tick(rig: Rig):
     rig.maker.broken = set()
     rig.exchange(40, (0.008, 0.008))
     assert rig.device.state is State.FAULT, "latched"
-    assert rig.device.outcome is Outcome.ZERO_CONFIRMED
+    assert rig.device.outcome is WriteOutcome.ZERO_CONFIRMED
 
 
 def test_an_error_while_writing_leaves_it_to_the_watchdog(rig: Rig):
@@ -151,7 +151,7 @@ def test_an_error_while_writing_leaves_it_to_the_watchdog(rig: Rig):
     rig.exchange(60, (0.008, 0.008))
     assert rig.device.state is State.FAULT
     assert rig.device.fault.cause is Cause.PORT
-    assert rig.device.outcome is Outcome.WATCHDOG
+    assert rig.device.outcome is WriteOutcome.WATCHDOG
     assert rig.torque == ZERO, "the board has dropped it"
     assert rig.maker.board.state()["expired"]
 

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.device.contract import ZERO, Flag, Outcome, State
+from hil.device.contract import ZERO, Flag, State, WriteOutcome
 from hil.drivers.cobs import protocol as cobs
 from hil.drivers.haply.driver import OUTSTANDING_TICKS
 from hil.drivers.haply.emulator import SATURATION
@@ -147,7 +147,7 @@ def test_a_haply_out_of_step_faults_and_its_board_ends_at_zero(way):
             continue
         assert faulted <= at + OUTSTANDING_TICKS + 1
         assert device.state is State.FAULT
-        if device.outcome is Outcome.UNKNOWN:
+        if device.outcome is WriteOutcome.UNKNOWN:
             outcomes["unknown"] += 1
             assert "cut the power" in device.fault_sentence()
             continue

@@ -11,7 +11,7 @@ import pytest
 from fmus.builder import FOLDER, Source, build_fmus
 from fmus.compiler import BuildError, host_platform
 from fmus.symbols import fmi_functions, problems_of, symbols_of
-from fmus.table import Model, Variable
+from fmus.table import Model, ModelVariable
 from tests.support.fmus import fmu_support as support
 
 REQUIRED = fmi_functions(FOLDER / "fmi" / "headers")
@@ -65,7 +65,7 @@ def test_a_model_that_calls_the_c_library_is_not_built(tmp_path: Path) -> None:
         "const char *model_step(Variables *v, State *s, double t, double h, Report *r)\n"
         "{ return NULL; }\n"
     )
-    output = Variable(name="y", description="y", causality="output", unit="1")
+    output = ModelVariable(name="y", description="y", causality="output", unit="1")
     model = Model(name="leaky", description="", variables=(output,), sources=("model.c",))
     with pytest.raises(BuildError, match="rand"):
         build_fmus(Source(model, tmp_path), platforms=[host_platform()], output=tmp_path / "out")

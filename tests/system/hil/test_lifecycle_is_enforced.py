@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from cosim.base.errors import InputError
 from hil.device.alarm import Alarm
-from hil.device.contract import Cause, Flag, Outcome, State, Status, Watchdog
+from hil.device.contract import Cause, Flag, State, Status, Watchdog, WriteOutcome
 from hil.device.device import Device
 from hil.device.errors import (
     ActivationRefused,
@@ -206,7 +206,7 @@ def test_an_error_while_writing_becomes_a_fault_whose_output_is_unknown_or_left_
     device.activate()
     run(device, 60, (0.005, 0.0))
     assert device.state is State.FAULT
-    assert device.outcome is Outcome.WATCHDOG
+    assert device.outcome is WriteOutcome.WATCHDOG
     with pytest.raises(DeviceFault, match="watchdog"):
         device.raise_fault()
 
@@ -217,7 +217,7 @@ def test_without_a_watchdog_the_output_is_unknown_then(monkeypatch):
     device = rested(mock(puppet))
     device.activate()
     run(device, 60, (0.005, 0.0))
-    assert device.outcome is Outcome.UNKNOWN
+    assert device.outcome is WriteOutcome.UNKNOWN
     with pytest.raises(DeviceFault, match="cut the power"):
         device.raise_fault()
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
 from hil.device.component import observe_rest
-from hil.device.contract import Cause, Outcome, State
+from hil.device.contract import Cause, State, WriteOutcome
 from hil.device.errors import ActivationRefused
 from hil.safety.dead_man import EventKey, open_dead_man
 from hil.safety.permission import dead_man
@@ -63,7 +63,7 @@ def test_a_released_input_is_zero_in_the_same_write_and_latched():
     held[0] = True
     run(device, 50, PUSH, start=301)
     assert set(puppet.torques[-50:]) == {(0.0, 0.0)}, "holding it again brings nothing back"
-    assert device.outcome is Outcome.ZERO_CONFIRMED
+    assert device.outcome is WriteOutcome.ZERO_CONFIRMED
 
 
 def test_it_has_to_be_held_to_begin():

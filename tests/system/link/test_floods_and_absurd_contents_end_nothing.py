@@ -9,7 +9,7 @@ import pytest
 
 from cosim.link.session.live import KEEP_SIZE
 from cosim.link.stream.receiver import Fate
-from cosim.link.wire.packet import BODY, HEADER, TAG_SIZE, Kind, Sealer, datagram_size
+from cosim.link.wire.packet import BODY, HEADER, TAG_SIZE, PacketKind, Sealer, datagram_size
 from tests.support.link.bounds import check_records
 from tests.support.link.whole import MILLISECOND, SECOND, Station, Wire, World
 
@@ -39,7 +39,7 @@ class KeyHolder:
         self.epoch = epoch
         keys = station.process.links[0].session
         self.sealer = Sealer(keys.outgoing, keys.session)
-        for kind in (Kind.DATA, Kind.KEEP):
+        for kind in (PacketKind.DATA, PacketKind.KEEP):
             self.sealer._next[kind << 16] = 1_000_000
 
     def integer(self) -> int:
@@ -56,7 +56,7 @@ class KeyHolder:
         """A packet that is authentic and absurd, sometimes in one place only."""
         draw = self.draw
         is_keep = draw.random() < 0.2
-        kind = Kind.KEEP if is_keep else Kind.DATA
+        kind = PacketKind.KEEP if is_keep else PacketKind.DATA
         size = KEEP_SIZE if is_keep else datagram_size(4)
         plain = bytearray(draw.randbytes(size - HEADER.size - TAG_SIZE))
         if not is_keep:
@@ -82,7 +82,7 @@ class KeyHolder:
             return datagram
         return self._seal(kind, plain, size)
 
-    def _seal(self, kind: Kind, plain: bytearray, size: int) -> bytes:
+    def _seal(self, kind: PacketKind, plain: bytearray, size: int) -> bytes:
         datagram = bytearray(size)
         self.sealer.seal(kind, 0, memoryview(plain), memoryview(datagram))
         return bytes(datagram)
@@ -105,7 +105,7 @@ def test_absurd_contents_under_the_right_key_are_counted(name: str, count: int) 
         for _ in range(25):
             tick = other.tick + other.grid.first_tick
             datagram = holder.datagram(tick, 0)
-            keeps += datagram[3] == Kind.KEEP
+            keeps += datagram[3] == PacketKind.KEEP
             wire.put(wire.now + MILLISECOND, name, other.name, datagram)
             sent += 1
         world.run(wire.now + 8 * MILLISECOND)
@@ -146,7 +146,7 @@ def test_a_flood_at_twenty_times_the_rate_keeps_no_restarted_peer_out(name: str,
     world.run(wire.now + 5 * SECOND)
     assert world.agreed()
     kept = list(recorded)
-    greetings = [item for item in kept if Kind.HELLO <= item[2][3] <= Kind.COOKIE]
+    greetings = [item for item in kept if PacketKind.HELLO <= item[2][3] <= PacketKind.COOKIE]
     assert greetings
 
     def flood() -> None:

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cosim.link.wire.kernel_filter import attach, dropped, session_filter
-from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, Kind
+from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, PacketKind
 from cosim.link.wire.transport import Address, open_socket
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a classic BPF filter is Linux's")
@@ -52,7 +52,7 @@ def test_nothing_longer_than_a_datagram_of_the_link_takes_room(ends, size: int) 
 
 @settings(deadline=None, max_examples=300)
 @given(
-    kind=st.sampled_from([*Kind, 0, 2, 15, 22]),
+    kind=st.sampled_from([*PacketKind, 0, 2, 15, 22]),
     sequences=st.tuples(numbers, numbers),
     flip=st.none() | st.integers(0, 63),
     session=st.integers(0, 2**64 - 1),
@@ -67,14 +67,14 @@ def test_in_a_flood_only_the_sessions_next_packets_get_in(
     assert attach(ends[1], session_filter(session, floor, handshakes=handshakes))
     other = session if flip is None else session ^ (1 << flip)
     header = HEADER.pack(MAGIC, VERSION, kind, 3, 0, other, sequence)
-    next_one = kind == Kind.DATA and flip is None and sequence >= floor
-    shakes = handshakes and Kind.HELLO <= kind <= Kind.KEEP
+    next_one = kind == PacketKind.DATA and flip is None and sequence >= floor
+    shakes = handshakes and PacketKind.HELLO <= kind <= PacketKind.KEEP
     assert let_in(ends, header + bytes(100)) == (next_one or shakes)
 
 
 def test_another_protocol_stays_out_in_a_flood(ends) -> None:
     assert attach(ends[1], session_filter(7, 0, handshakes=True))
-    good = HEADER.pack(MAGIC, VERSION, Kind.DATA, 0, 0, 7, 0)
+    good = HEADER.pack(MAGIC, VERSION, PacketKind.DATA, 0, 0, 7, 0)
     for place in range(3):
         changed = bytearray(good)
         changed[place] ^= 1

@@ -22,7 +22,7 @@ from cosim.link.session.contract import Contract
 from cosim.link.session.keys import KEY_SIZE, NO_KEY, PreSharedKey, create_key_file
 from cosim.link.session.messages import LARGEST_MESSAGE, NOTE, refusal
 from cosim.link.session.process import HandshakeServer
-from cosim.link.wire.packet import HEADER, MAGIC, VERSION, Kind
+from cosim.link.wire.packet import HEADER, MAGIC, VERSION, PacketKind
 from cosim.link.wire.transport import Address, open_socket, open_sockets
 
 LOCAL = Address("127.0.0.1", 0)
@@ -149,7 +149,9 @@ def test_another_key_is_said_once_to_who_waits() -> None:
 
 
 def test_another_version_of_the_protocol_is_said_once_whoever_writes_which() -> None:
-    headers = [HEADER.pack(MAGIC, version, Kind.HELLO, 0, 0, 0, 0) for version in (1, 3, 4, 255)]
+    headers = [
+        HEADER.pack(MAGIC, version, PacketKind.HELLO, 0, 0, 0, 0) for version in (1, 3, 4, 255)
+    ]
     with Waiting() as waiting:
         notes = waiting.notes_after(*[header + bytes(1176) for header in headers] * 10)
     assert notes == [
@@ -249,7 +251,7 @@ def test_the_process_that_holds_the_key_imports_nothing_of_the_working_folder(
         )
         peer.setblocking(True)
         peer.settimeout(20)
-        assert peer.recv(2000)[3] == Kind.HELLO
+        assert peer.recv(2000)[3] == PacketKind.HELLO
     assert not list(tmp_path.rglob("*.sprung"))
 
 

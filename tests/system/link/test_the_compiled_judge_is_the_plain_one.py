@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.stream.admission import Admission, Verdict
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.admission import Admission, Plausibility
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.station.admission import CompiledAdmission
 from tests.support.link.support import PERIOD, TICK
 
@@ -19,7 +19,7 @@ FIELDS = (
     Field(name="flag", integer=True, boolean=True, minimum=0.0, maximum=1.0),
     Field(name="pair", size=2, minimum=-10.0, maximum=10.0, speed=100.0),
 )
-BUNDLE = Bundle(source="a", target="b", fields=FIELDS, period=PERIOD, tick=TICK)
+BUNDLE = PacketBundle(source="a", target="b", fields=FIELDS, period=PERIOD, tick=TICK)
 ANY = st.floats(width=64) | st.sampled_from([0.0, -0.0, 0.5, 1.0, 2.0**53, -(2.0**53), 2.0**53 + 2])
 NEAR = st.floats(-1.0, 1.0)
 PLAUSIBLE = st.tuples(NEAR, NEAR, *[st.integers(0, 1).map(float)] * 3, NEAR, NEAR)
@@ -50,11 +50,11 @@ def test_all_three_verdicts_occur() -> None:
     for made in (Admission, CompiledAdmission):
         judge, out = made(BUNDLE), np.zeros(BUNDLE.size)
         good = np.zeros(BUNDLE.size)
-        assert judge.judge(good, 0, out, newest=True) is Verdict.FITS
+        assert judge.judge(good, 0, out, newest=True) is Plausibility.FITS
         far, bad = good.copy(), good.copy()
         far[0] = bad[2] = 0.5
-        assert judge.judge(far, 8, out, newest=True) is Verdict.JUMP
-        assert judge.judge(bad, 8, out, newest=True) is Verdict.OUT_OF_RANGE
+        assert judge.judge(far, 8, out, newest=True) is Plausibility.JUMP
+        assert judge.judge(bad, 8, out, newest=True) is Plausibility.OUT_OF_RANGE
         assert not out.any()
 
 
@@ -62,6 +62,6 @@ def test_arrays_that_come_and_go_are_not_taken_for_each_other() -> None:
     judge = CompiledAdmission(BUNDLE)
     for number in range(1000):
         values, out = np.full(BUNDLE.size, float(number % 2)), np.zeros(BUNDLE.size)
-        assert judge.judge(values, 0, out, newest=False) is Verdict.FITS
+        assert judge.judge(values, 0, out, newest=False) is Plausibility.FITS
         assert out.tobytes() == values.tobytes()
         assert len(judge._addresses) <= 64

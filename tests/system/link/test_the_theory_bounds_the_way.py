@@ -14,7 +14,7 @@ from cosim.scenario import load
 from cosim.station.run import _bound_delays
 from cosim.station.split import split
 from cosim.theory.models.parameters import Parameters
-from cosim.theory.models.timing import Delay
+from cosim.theory.models.timing import PathDelay
 from cosim.theory.stability.spectral_radius import stability
 
 
@@ -27,7 +27,7 @@ def test_one_sample_more_is_unstable(name: str) -> None:
     loop = read_loop(scenario)
     model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
     for samples, stable in ((found.samples, True), (found.samples + 1, False)):
-        timing = replace(loop.timing, delay=Delay.each_way(samples))
+        timing = replace(loop.timing, delay=PathDelay.each_way(samples))
         assert stability(model, timing).stable is stable
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from cosim.analysis.modes import centralized_modes, distributed_modes, modes
 from cosim.scenario import load
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability
 from cosim.thesis import breaking
 from cosim.thesis.beyond import RADIUS_DELAYS, Beyond, radii_of
@@ -112,7 +112,7 @@ def test_a_grasp_holds_while_nothing_is_lost_and_forces_are_steady():
 def test_the_modes_are_those_of_the_planar_box():
     server = load(CENTRALIZED).components["server"]
     assert modes(server)["turn"].mass == pytest.approx(6.7e-4 / 0.05**2)
-    timing = Timing(delay=Delay.round_trip(1))
+    timing = Timing(delay=PathDelay.round_trip(1))
     found = centralized_modes(server)
     assert set(found) == {"squeeze", "carry", "lift", "turn"}
     stiff = centralized_modes(server, remote_stiffness=800.0)

@@ -10,7 +10,7 @@ import pytest
 from cosim.link.stream.receiver import Fate
 from cosim.link.wire.packet import DataWriter, Sealer
 from cosim.link.wire.window import WINDOW
-from cosim.testing.impairment import Impairer, Impairment
+from cosim.testing.impairment import BadNetwork, Impairer
 from tests.support.link.lockstep import TOO_LONG, UdpWorld
 from tests.support.link.support import OTHER_KEY, both_ends
 from tests.support.link.world import ACTIVE_STATUS
@@ -210,8 +210,8 @@ def test_every_counter_equals_what_was_injected_in_both_directions(seed: int) ->
 
 def test_delay_loss_copies_and_flipped_bits_drawn_at_random_are_all_found() -> None:
     """The proxy's own impairments; what is drawn overlaps as it likes."""
-    there = Impairment(delay=0.003, jitter=0.001, loss=0.05, duplicate=0.05, corrupt=0.05)
-    back = Impairment(delay=0.005, loss=0.2, good_to_bad=0.02, bad_to_good=0.2)
+    there = BadNetwork(delay=0.003, jitter=0.001, loss=0.05, duplicate=0.05, corrupt=0.05)
+    back = BadNetwork(delay=0.005, loss=0.2, good_to_bad=0.02, bad_to_good=0.2)
     forward, backward = Impairer(there, 3), Impairer(back, 4)
     with UdpWorld(forward, backward) as world:
         world.run(8 * 1000)

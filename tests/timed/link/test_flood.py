@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from cosim.link.stream.receiver import Fate
-from cosim.link.wire.packet import HEADER, DataWriter, Kind, Sealer
+from cosim.link.wire.packet import HEADER, DataWriter, PacketKind, Sealer
 from tests.support.link.lockstep import UdpWorld
 from tests.support.link.support import OTHER_KEY, both_ends
 
@@ -59,7 +59,7 @@ class Flood:
             case "handshakes":
                 return (
                     newest[:3]
-                    + bytes([self.draw.randrange(Kind.HELLO, Kind.KEEP + 1)])
+                    + bytes([self.draw.randrange(PacketKind.HELLO, PacketKind.KEEP + 1)])
                     + (self.draw.randbytes(1196))
                 )
             case "long":
@@ -149,7 +149,7 @@ def test_a_peer_that_restarts_is_heard_while_the_flood_goes_on() -> None:
     flood = Flood("foreign", 80.0)
     with UdpWorld(flood, Pass()) as world:
         world.run(8 * 40)
-        flood.peer = lambda datagram: datagram[:3] + bytes([Kind.HELLO]) + bytes(1196)
+        flood.peer = lambda datagram: datagram[:3] + bytes([PacketKind.HELLO]) + bytes(1196)
         heard = len(world.b.forwarded)
         world.run(8 * 10)
         assert len(world.b.forwarded) - heard <= 1

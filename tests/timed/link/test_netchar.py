@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError, RunError
 from cosim.cli.netchar import command
 from cosim.link.netchar.preset import channel_preset
-from cosim.link.netchar.probe import Measurement, Probe
+from cosim.link.netchar.probe import NetworkMeasurement, Probe
 from cosim.link.netchar.relay import (
     CLIENT,
     CONTRACT,
@@ -32,9 +32,9 @@ from cosim.link.netchar.search import search_rate
 from cosim.link.netchar.statistics import Characteristics, characterise, fit_bursts
 from cosim.link.session.asker import RETRY, Asker
 from cosim.link.session.greeting import GREETING_SIZE
-from cosim.link.wire.packet import Kind, Opener, Sealer
+from cosim.link.wire.packet import Opener, PacketKind, Sealer
 from cosim.link.wire.transport import Address, open_socket
-from cosim.testing.impairment import Impairer, Impairment, Injected
+from cosim.testing.impairment import BadNetwork, Impairer, Injected
 from cosim.testing.proxy import Proxy
 from tests.support.link.support import KEY, OTHER_KEY
 from tests.support.machine import timed
@@ -43,7 +43,7 @@ LOCAL = Address("127.0.0.1", 0)
 
 
 @contextmanager
-def relay_behind(forward: Impairment, backward: Impairment, key=KEY, caps=None):
+def relay_behind(forward: BadNetwork, backward: BadNetwork, key=KEY, caps=None):
     """A relay with a proxy in front, each in a thread; yields (where to probe, proxy, relay)."""
     stop = threading.Event()
     link = open_socket(LOCAL, None)
@@ -68,8 +68,8 @@ def relay_behind(forward: Impairment, backward: Impairment, key=KEY, caps=None):
         link.close()
 
 
-THERE = Impairment(delay=0.040, jitter=0.008, loss=0.04)
-BACK = Impairment(delay=0.025, jitter=0.005, loss=0.02)
+THERE = BadNetwork(delay=0.040, jitter=0.008, loss=0.04)
+BACK = BadNetwork(delay=0.025, jitter=0.005, loss=0.02)
 
 
 def check_losses(found, forward, backward) -> None:
@@ -118,7 +118,7 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
     lost = times[3] == 0
     times[1:3, lost] = 0
     found = characterise(
-        Measurement(
+        NetworkMeasurement(
             rate=400,
             size=100,
             sent=times[0],
@@ -135,7 +135,7 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
     assert found.loss.fraction == pytest.approx(0.04 + 0.96 * 0.02, rel=0.1)
 
 
-def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> Measurement:
+def measured_through(proxy: Proxy, relay: Relay, probe: Probe, count: int) -> NetworkMeasurement:
     """Over when every packet was lost or is back, however long that takes on a busy machine."""
     for side in (proxy.forward, proxy.backward):
         side.injected = Injected()
@@ -229,9 +229,9 @@ class FirstOnly:
 def test_copies_and_overtaking_are_counted() -> None:
     # A hundred at once, which is what a stalled machine makes of it, fit a socket's buffer.
     count = 100
-    back = Impairer(Impairment(duplicate=0.2, reorder=0.1), 6)
+    back = Impairer(BadNetwork(duplicate=0.2, reorder=0.1), 6)
     with (
-        relay_behind(Impairment(), Impairment()) as (address, proxy, _),
+        relay_behind(BadNetwork(), BadNetwork()) as (address, proxy, _),
         open_socket(LOCAL, address) as link,
     ):
         probe = Probe(link, KEY)
@@ -244,7 +244,7 @@ def test_copies_and_overtaking_are_counted() -> None:
 
 
 def test_a_relay_with_another_key_does_not_answer() -> None:
-    with relay_behind(Impairment(), Impairment(), key=OTHER_KEY) as (address, _, relay):
+    with relay_behind(BadNetwork(), BadNetwork(), key=OTHER_KEY) as (address, _, relay):
         with (
             open_socket(LOCAL, address) as link,
             pytest.raises(RunError, match="no relay answer"),
@@ -278,7 +278,7 @@ class Session:
         plain = bytearray(size - OVERHEAD)
         PROBE.pack_into(plain, 0, sent)
         datagram = bytearray(size)
-        self.sealer.seal(Kind.PROBE, 0, memoryview(plain), memoryview(datagram))
+        self.sealer.seal(PacketKind.PROBE, 0, memoryview(plain), memoryview(datagram))
         return bytes(datagram)
 
     def ask(self, datagram: bytes, at: int, sender=None) -> bytes | None:
@@ -321,7 +321,7 @@ def test_a_recorded_greeting_gets_a_cookie_and_nothing_else() -> None:
         for greeting in greetings:
             at = seconds * 10**9
             answer = relay.take(memoryview(greeting), ("10.0.0.9", 1), at, lambda t=at: t)
-            assert answer is None or (answer[3] == Kind.COOKIE and len(answer) < 120)
+            assert answer is None or (answer[3] == PacketKind.COOKIE and len(answer) < 120)
     assert relay.received == 0
 
 
@@ -334,7 +334,7 @@ def test_a_cap_that_cannot_be_is_refused(value: float) -> None:
 
 def test_what_the_caps_keep_back_is_not_called_lost() -> None:
     with (
-        relay_behind(Impairment(), Impairment(), caps=Caps(rate=100.0)) as (address, _, relay),
+        relay_behind(BadNetwork(), BadNetwork(), caps=Caps(rate=100.0)) as (address, _, relay),
         open_socket(LOCAL, address) as link,
     ):
         probe = Probe(link, KEY)
@@ -348,7 +348,7 @@ def test_what_the_caps_keep_back_is_not_called_lost() -> None:
 
 def test_a_reply_to_an_earlier_measurement_is_late_and_not_forged() -> None:
     with (
-        relay_behind(Impairment(), Impairment(delay=0.25)) as (address, _, _relay),
+        relay_behind(BadNetwork(), BadNetwork(delay=0.25)) as (address, _, _relay),
         open_socket(LOCAL, address) as link,
     ):
         probe = Probe(link, KEY)
@@ -415,11 +415,11 @@ def measurement(rate: float, trip: float = 0.002, lost: float = 0.0, growth: flo
     returned[: int(lost * count)] = 0
     half = ((sent + returned) // 2) * (returned > 0)
     order = [int(n) for n in np.flatnonzero(returned)]
-    return Measurement(rate, 100, sent, returned, half, half.copy(), order)
+    return NetworkMeasurement(rate, 100, sent, returned, half, half.copy(), order)
 
 
 def test_the_search_finds_the_knee_of_a_shaper() -> None:
-    def shaper(rate: float) -> Measurement:
+    def shaper(rate: float) -> NetworkMeasurement:
         return measurement(rate, lost=max(0.0, 1.0 - 1500.0 / rate))
 
     found = search_rate(shaper)
@@ -469,7 +469,7 @@ def test_the_probe_command_prints_one_json_object_and_writes_preset_and_figure(
 ) -> None:
     monkeypatch.setattr("cosim.cli.netchar._key", lambda path: KEY)
     monkeypatch.setattr("signal.signal", lambda *_: None)
-    with relay_behind(Impairment(), Impairment()) as (address, _, _relay):
+    with relay_behind(BadNetwork(), BadNetwork()) as (address, _, _relay):
         result = CliRunner().invoke(
             command,
             [

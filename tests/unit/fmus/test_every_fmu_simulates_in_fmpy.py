@@ -43,8 +43,8 @@ def test_flavours_agree_bit_for_bit(name: str) -> None:
 
 
 def _outputs(name: str):
-    from fmus.layout import Layout, elements_of
+    from fmus.layout import SlotLayout, elements_of
 
-    for placed in Layout(support.source(name).model).placed:
+    for placed in SlotLayout(support.source(name).model).placed:
         if placed.variable.causality == "output" and placed.variable.type != "string":
             yield elements_of(placed)

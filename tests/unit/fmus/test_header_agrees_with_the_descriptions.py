@@ -11,13 +11,13 @@ import pytest
 from fmus.builder import FOLDER
 from fmus.compiler import compile_library, host_platform
 from fmus.header import variables_header
-from fmus.table import Group, Model, Variable
+from fmus.table import Group, Model, ModelVariable
 from tests.support.fmus import fmu_support as support
 
 INCLUDE = [FOLDER / "fmi", FOLDER / "libm"]
 
 
-def repeated_groups(members: tuple[Variable | Group, ...]) -> set[str]:
+def repeated_groups(members: tuple[ModelVariable | Group, ...]) -> set[str]:
     found: set[str] = set()
     for member in members:
         if isinstance(member, Group):

@@ -7,17 +7,17 @@ from typing import Any
 import pytest
 
 from fmus.description import base_exponents
-from fmus.layout import Layout, elements_of
-from fmus.table import Group, Model, Terminal, Variable
+from fmus.layout import SlotLayout, elements_of
+from fmus.table import Group, Model, ModelVariable, Terminal
 
 
-def model(*variables: Variable | Group, **more: Any) -> Model:
+def model(*variables: ModelVariable | Group, **more: Any) -> Model:
     return Model(name="m", description="", variables=variables, sources=(), **more)
 
 
-def variable(name: str = "x", **more: Any) -> Variable:
+def variable(name: str = "x", **more: Any) -> ModelVariable:
     defaults = {"description": "", "causality": "output", "unit": "1"}
-    return Variable(name=name, **(defaults | more))
+    return ModelVariable(name=name, **(defaults | more))
 
 
 @pytest.mark.parametrize(
@@ -32,20 +32,20 @@ def variable(name: str = "x", **more: Any) -> Variable:
         ([variable(depends_on=("y",))], "depends on 'y', which is no input"),
     ],
 )
-def test_contradictions(variables: list[Variable], words: str) -> None:
+def test_contradictions(variables: list[ModelVariable], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        Layout(model(*variables))
+        SlotLayout(model(*variables))
 
 
 def test_a_terminal_names_variables() -> None:
     terminal = Terminal(name="t", description="", members={"a": "nothing"})
     with pytest.raises(ValueError, match="terminal 't' has a member 'nothing'"):
-        Layout(model(variable(), terminals=(terminal,)))
+        SlotLayout(model(variable(), terminals=(terminal,)))
 
 
 def test_names_and_slots_of_groups_and_arrays() -> None:
     position = variable("position", size=2)
-    layout = Layout(
+    layout = SlotLayout(
         model(variable("a"), Group("finger", (position, variable("mode", type="string")), count=2))
     )
     assert [(e.name, e.slot) for e in layout.elements] == [
@@ -61,12 +61,12 @@ def test_names_and_slots_of_groups_and_arrays() -> None:
 
 
 def test_dependencies_may_name_the_own_group_or_all() -> None:
-    def finger(depends_on: str) -> Layout:
+    def finger(depends_on: str) -> SlotLayout:
         angle = variable("angle", causality="input", start=0.0)
         force = variable("force", depends_on=(depends_on,))
-        return Layout(model(Group("finger", (angle, force), count=2)))
+        return SlotLayout(model(Group("finger", (angle, force), count=2)))
 
-    def known(layout: Layout, path: str) -> list[str]:
+    def known(layout: SlotLayout, path: str) -> list[str]:
         placed = layout.find(path)
         return [p.path for p in layout.matching(placed.variable.depends_on, placed.group)]
 
@@ -76,7 +76,7 @@ def test_dependencies_may_name_the_own_group_or_all() -> None:
 
 
 def test_start_values_of_arrays() -> None:
-    layout = Layout(
+    layout = SlotLayout(
         model(
             variable("a", causality="input", size=2, start=3.0),
             variable("b", causality="input", size=2, start=(1.0, 2.0)),

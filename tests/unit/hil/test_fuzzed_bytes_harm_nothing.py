@@ -73,7 +73,7 @@ def test_an_emulator_answers_whatever_it_is_asked(document):
 def test_a_setup_with_any_resolution_is_answered(counts):
     """Found by the fuzzer: a resolution that is no number ended the emulator."""
     board = HaplyBoard(World(Rest((1.0, 2.0)), lockstep=False))
-    axes = [haply.Axis(port=2, counts_per_turn=counts), haply.Axis(port=1)]
+    axes = [haply.HaplyAxis(port=2, counts_per_turn=counts), haply.HaplyAxis(port=1)]
     board.receive(haply.reset(5) + haply.setup(5, axes))
     (answer,) = board.receive(haply.torques(5, axes, (0.0, 0.0)))
     assert len(answer) == haply.REPLY_BYTES

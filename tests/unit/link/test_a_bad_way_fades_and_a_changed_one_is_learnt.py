@@ -9,13 +9,13 @@ import pytest
 from cosim.link.stream.peer import PeerState, Reason
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.settings import LinkSettings
-from cosim.testing.impairment import Impairment
+from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session
 
 SECOND = 10**9
 START = SECOND
-WAY = Impairment(delay=0.002)
+WAY = BadNetwork(delay=0.002)
 
 
 def two(network: Network, settings: LinkSettings | None = None):
@@ -84,7 +84,7 @@ def test_whoever_is_not_heard_fades_as_whoever_hears_nothing(blind: str) -> None
     weights = {station.name: weights_of(station) for station in (a, b)}
     network.join("a", "b", WAY)
     network.impairers[heard.name, deaf.name] = network.impairers["a", "b"].__class__(
-        Impairment(delay=0.002, loss=1.0), 1
+        BadNetwork(delay=0.002, loss=1.0), 1
     )
     run(network, [a, b], START + 3 * SECOND)
     # The hold, four samples and the round trip until it is missed, and the fade.
@@ -107,7 +107,7 @@ def test_a_way_that_becomes_longer_for_good_is_accepted(both_ways: bool) -> None
     run(network, [a, b], START + 2 * SECOND)
     weights = weights_of(b)
     back = network.impairers["b", "a"]
-    network.join("a", "b", Impairment(delay=0.082))
+    network.join("a", "b", BadNetwork(delay=0.082))
     if not both_ways:
         network.impairers["b", "a"] = back
     run(network, [a, b], START + 3 * SECOND)
@@ -126,7 +126,7 @@ def test_a_way_that_is_longer_than_the_bound_counts_for_nothing_and_says_so() ->
     network.join("a", "b", WAY)
     a, b = two(network, LinkSettings(max_delay=4))
     run(network, [a, b], START + 2 * SECOND)
-    network.join("a", "b", Impairment(delay=0.082))
+    network.join("a", "b", BadNetwork(delay=0.082))
     run(network, [a, b], START + 8 * SECOND)
     for station in (a, b):
         assert station.value("lan.weight") == 0.0
@@ -137,7 +137,7 @@ def test_a_way_that_is_longer_than_the_bound_counts_for_nothing_and_says_so() ->
 
 def test_a_renewal_costs_no_packet_and_no_weight() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.005, jitter=0.001))
+    network.join("a", "b", BadNetwork(delay=0.005, jitter=0.001))
     a, b = two(network)
     run(network, [a, b], START + 2 * SECOND)
     weights = weights_of(a), weights_of(b)
@@ -215,7 +215,7 @@ def test_a_radio_that_sleeps_costs_what_it_sleeps_and_no_more() -> None:
 
 def test_a_delay_that_is_chosen_is_what_nine_of_ten_need_and_then_stays() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.020, jitter=0.003))
+    network.join("a", "b", BadNetwork(delay=0.020, jitter=0.003))
     a, b = two(network, LinkSettings(delay=None, max_delay=8))
     for station in (a, b):
         station.link.expect(40_000_000, 24_000_000)

@@ -17,9 +17,9 @@ from cosim.link.session.asker import RETRY, SILENCE, Asker
 from cosim.link.session.contract import Contract
 from cosim.link.session.greeting import GREETING_SIZE, SIZES
 from cosim.link.session.keys import prologue
-from cosim.link.session.live import KEEP_SIZE, State
+from cosim.link.session.live import KEEP_SIZE, SessionState
 from cosim.link.session.noise import NoiseError, NoiseHandshake
-from cosim.link.wire.packet import HEADER, Kind
+from cosim.link.wire.packet import HEADER, PacketKind
 from tests.support.link.support import KEY, OTHER_KEY
 
 CONTRACT = Contract({"rate": 128, "gains": {"k": 800.0, "b": 3.0}})
@@ -48,7 +48,7 @@ def exchange(b: Asker, a: Answerer, now: int = 0, log: list | None = None) -> No
         outcome = receiver.receive(message, now, now)
         answer = outcome.answer
         if outcome.keep is not None and receiver is a:
-            answer = a.current.write(now, 0, State.NONE)
+            answer = a.current.write(now, 0, SessionState.NONE)
         if answer is not None:
             waiting.append((b if receiver is a else a, answer))
 
@@ -65,8 +65,8 @@ def test_a_question_an_answer_and_a_sealed_packet_each_way_make_a_session() -> N
     b, a = asker(), answerer()
     log: list[bytes] = []
     exchange(b, a, log=log)
-    kinds = [Kind(message[3]) for message in log]
-    assert kinds == [Kind.HELLO, Kind.REPLY, Kind.KEEP, Kind.KEEP]
+    kinds = [PacketKind(message[3]) for message in log]
+    assert kinds == [PacketKind.HELLO, PacketKind.REPLY, PacketKind.KEEP, PacketKind.KEEP]
     assert [len(message) for message in log] == [1200, 1200, KEEP_SIZE, KEEP_SIZE]
     assert a.current.keys.session == b.current.keys.session
     assert a.current.keys.outgoing == b.current.keys.incoming
@@ -74,7 +74,9 @@ def test_a_question_an_answer_and_a_sealed_packet_each_way_make_a_session() -> N
 
 
 def test_no_answer_is_larger_than_its_question() -> None:
-    assert {SIZES[kind] for kind in (Kind.HELLO, Kind.REPLY, Kind.REFUSE)} == {GREETING_SIZE}
+    assert {SIZES[kind] for kind in (PacketKind.HELLO, PacketKind.REPLY, PacketKind.REFUSE)} == {
+        GREETING_SIZE
+    }
     assert max(SIZES.values()) == GREETING_SIZE
 
 
@@ -91,7 +93,7 @@ def test_a_recorded_session_cannot_be_opened_with_the_key_that_leaks_later() -> 
     b, a = asker(), answerer()
     log: list[bytes] = []
     exchange(b, a, log=log)
-    values = b.current.write(5 * MILLISECOND, 7, State.RUNNING)
+    values = b.current.write(5 * MILLISECOND, 7, SessionState.RUNNING)
     psk = KEY.derive("noise", context=prologue("a", "b"))
 
     def noise(message: bytes) -> bytes:
@@ -116,7 +118,7 @@ def test_a_recorded_session_cannot_be_opened_with_the_key_that_leaks_later() -> 
                 AESGCM(guess).decrypt(nonce, recorded[24:], recorded[:24])
     # That the same bytes do open with what the two ends came to shows that the test looks right.
     assert AESGCM(a.current.keys.incoming).decrypt(
-        struct.pack("<BBHQ", Kind.KEEP, 0, 0, 1), values[24:], values[:24]
+        struct.pack("<BBHQ", PacketKind.KEEP, 0, 0, 1), values[24:], values[:24]
     )
 
 
@@ -148,7 +150,7 @@ def test_a_changed_bit_in_any_message_makes_it_worthless(message, place, bit) ->
         outcome = sides[number % 2].receive(waiting[0], 0, 0)
         answer = outcome.answer
         if outcome.keep is not None and sides[number % 2] is a:
-            answer = a.current.write(0, 0, State.NONE)
+            answer = a.current.write(0, 0, SessionState.NONE)
         waiting = [answer]
     assert waiting == [log[message]]
     changed = bytearray(waiting[0])
@@ -225,29 +227,29 @@ def test_a_live_session_is_kept_until_the_first_packet_under_the_new_one() -> No
     assert a.previous is old
     # What the asker says under the session before is read on.
     heard = old.heard
-    late = b.current.write(later, 0, State.NONE)
+    late = b.current.write(later, 0, SessionState.NONE)
     a.receive(late, later + 1, later + 1)
     assert old.heard > heard
-    answer = a.current.write(later, 0, State.NONE)
+    answer = a.current.write(later, 0, SessionState.NONE)
     assert b.receive(answer, later, later).keep is not None
     assert b.current.keys.session == a.current.keys.session
 
 
 def test_replays_and_second_copies_are_no_life() -> None:
     b, a = met()
-    copies = [a.current.write(now, 0, State.NONE) for now in (1, 2)]
+    copies = [a.current.write(now, 0, SessionState.NONE) for now in (1, 2)]
     for now in range(0, SILENCE, SILENCE // 100):
         for message in copies:
             b.receive(message, now, now)
-    assert any(message[3] == Kind.HELLO for message in b.poll(SILENCE + 10 * MILLISECOND))
+    assert any(message[3] == PacketKind.HELLO for message in b.poll(SILENCE + 10 * MILLISECOND))
 
 
 def test_what_is_never_acknowledged_asks_again_although_it_is_heard() -> None:
     b, a = met()
     for now in range(0, SILENCE + 5 * MILLISECOND, 10 * MILLISECOND):
-        b.receive(a.current.write(now, 0, State.NONE), now, now)
+        b.receive(a.current.write(now, 0, SessionState.NONE), now, now)
     assert b.current.heard > SILENCE - 10 * MILLISECOND
-    assert any(message[3] == Kind.HELLO for message in b.poll(SILENCE + 10 * MILLISECOND))
+    assert any(message[3] == PacketKind.HELLO for message in b.poll(SILENCE + 10 * MILLISECOND))
 
 
 def test_a_candidate_that_nobody_answers_is_given_up_after_a_second() -> None:
@@ -255,9 +257,9 @@ def test_a_candidate_that_nobody_answers_is_given_up_after_a_second() -> None:
     (hello,) = b.poll(0)
     b.receive(a.receive(hello, 0, 0).answer, 0, 0)
     sent = [m for now in range(RETRY, SILENCE + 1, RETRY) for m in b.poll(now)]
-    assert {m[3] for m in sent} == {Kind.KEEP}
+    assert {m[3] for m in sent} == {PacketKind.KEEP}
     (again,) = b.poll(SILENCE + RETRY)
-    assert again[3] == Kind.HELLO
+    assert again[3] == PacketKind.HELLO
     assert again != hello
 
 
@@ -280,9 +282,9 @@ def test_entries_that_nobody_confirms_are_few_and_forgotten() -> None:
         b = asker(seed)
         now = seed * 20 * MILLISECOND
         outcome = a.receive(b.poll(now)[0], now, now)
-        if outcome.answer[3] == Kind.COOKIE:
+        if outcome.answer[3] == PacketKind.COOKIE:
             question = b.receive(outcome.answer, now, now).answer
-            assert a.receive(question, now, now).answer[3] == Kind.REPLY
+            assert a.receive(question, now, now).answer[3] == PacketKind.REPLY
         assert len(a._pending) <= LARGEST_PENDING
     a.poll(PENDING_LIFE + 1000 * MILLISECOND)
     assert a._pending == []
@@ -293,16 +295,16 @@ def test_a_cookie_is_good_for_its_address_and_its_question_and_not_for_ever() ->
     b = asker()
     (hello,) = b.poll(0)
     cookie = a.receive(hello, 0, 0, b"here").answer
-    assert cookie[3] == Kind.COOKIE
+    assert cookie[3] == PacketKind.COOKIE
     assert len(cookie) < len(hello)
     question = b.receive(cookie, 0, 0).answer
-    assert a.receive(question, 0, 0, b"there").answer[3] == Kind.COOKIE
+    assert a.receive(question, 0, 0, b"there").answer[3] == PacketKind.COOKIE
     other = asker(1)
     (hello,) = other.poll(0)
     stolen = hello[:56] + question[56:72] + hello[72:]
     assert a.receive(stolen, 0, 0, b"here").answer is None
     much_later = 41 * 10**9
-    assert a.receive(question, much_later, much_later, b"here").answer[3] == Kind.COOKIE
+    assert a.receive(question, much_later, much_later, b"here").answer[3] == PacketKind.COOKIE
     assert a.receive(b.poll(much_later)[0], much_later, much_later, b"here").answer is not None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.testing.impairment import Impairment
+from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import SimulatedStation, run, share_session
 
@@ -23,9 +23,9 @@ def met(network: Network) -> tuple[SimulatedStation, SimulatedStation]:
 
 def test_a_slow_network_is_to_blame() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = met(network)
-    network.join("a", "b", Impairment(delay=0.009))
+    network.join("a", "b", BadNetwork(delay=0.009))
     run(network, [a, b], 4 * SECOND + SECOND // 4)
     item = b.link.incoming[0]
     assert item.receiver.overdue > 20
@@ -34,7 +34,7 @@ def test_a_slow_network_is_to_blame() -> None:
 
 def test_a_sender_that_was_held_up_is_to_blame() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.003))
+    network.join("a", "b", BadNetwork(delay=0.003))
     a, b = met(network)
     a.deadline += 6_000_000
     run(network, [a, b], 4 * SECOND + SECOND // 4)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.wire.packet import DataReader, DataWriter, Opener, Sealer, datagram_size
 from tests.support.link.support import KEY, PERIOD, TICK, both_ends, small_bundle
 
@@ -101,12 +101,12 @@ def test_the_two_directions_have_different_keys() -> None:
 def test_a_bundle_that_needs_two_datagrams_is_refused() -> None:
     fields = tuple(Field(name=f"v{i}", size=10) for i in range(20))
     with pytest.raises(InputError, match=r"carries 200 numbers and needs 1760 bytes.*1232"):
-        Bundle(source="a", target="b", fields=fields, period=PERIOD, tick=TICK)
+        PacketBundle(source="a", target="b", fields=fields, period=PERIOD, tick=TICK)
 
 
 def test_a_variable_is_sent_once() -> None:
     with pytest.raises(InputError, match="carries v twice"):
-        Bundle(
+        PacketBundle(
             source="a",
             target="b",
             fields=(Field(name="v"), Field(name="v")),

@@ -11,11 +11,11 @@ from click.testing import CliRunner
 
 from cosim.cli import cli
 from cosim.link.netchar.preset import channel_preset
-from cosim.link.netchar.probe import Measurement
+from cosim.link.netchar.probe import NetworkMeasurement
 from cosim.link.netchar.statistics import characterise
 from cosim.scenario import load
 from cosim.scenario.describe import average
-from cosim.testing.impairment import Impairer, Impairment
+from cosim.testing.impairment import BadNetwork, Impairer
 from cosim.theory.chance.network import Network
 
 OVERLAY = """channels:
@@ -23,7 +23,7 @@ OVERLAY = """channels:
 """
 
 
-def measurement(there: Impairment, back: Impairment, count: int = 4000) -> Measurement:
+def measurement(there: BadNetwork, back: BadNetwork, count: int = 4000) -> NetworkMeasurement:
     """What a probe at 128 Hz would bring home over such a network."""
     ways = Impairer(there, 1), Impairer(back, 2)
     period = 7_812_500
@@ -42,7 +42,7 @@ def measurement(there: Impairment, back: Impairment, count: int = 4000) -> Measu
             times[1:, number] = arrived[0][0], arrived[0][0], came[0][0]
             order.append((came[0][0], number))
             facts.append((number, received))
-    return Measurement(
+    return NetworkMeasurement(
         rate=128.0,
         size=280,
         sent=times[0],
@@ -65,8 +65,8 @@ def cohaptic(*words: str) -> str:
 def _folder(tmp_path: Path) -> Path:
     found = characterise(
         measurement(
-            Impairment(delay=0.0060, jitter=0.0010, loss=0.02),
-            Impairment(delay=0.0050, jitter=0.0005, loss=0.01),
+            BadNetwork(delay=0.0060, jitter=0.0010, loss=0.02),
+            BadNetwork(delay=0.0050, jitter=0.0005, loss=0.01),
         )
     )
     (tmp_path / "lan.yaml").write_text(channel_preset(found, name="there:47010"))

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.component import Causality, Variable, VariableType
-from cosim.link.stream.bundle import Bundle, Field
+from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings, Release
 from cosim.link.wire.packet import HEADER, DataWriter, Opener, Sealer
 from cosim.link.wire.window import WINDOW
@@ -291,7 +291,9 @@ def test_absurd_sequences_of_who_holds_the_key_are_counted(sequence: int) -> Non
 def test_an_integer_travels_within_its_type(variable: VariableType, value: float) -> None:
     """What the receiver's input cannot hold would end its run."""
     declared = Variable(name="v", type=variable, causality=Causality.OUTPUT)
-    bundle = Bundle(source="a", target="b", fields=(Field.of(declared),), period=PERIOD, tick=TICK)
+    bundle = PacketBundle(
+        source="a", target="b", fields=(Field.of(declared),), period=PERIOD, tick=TICK
+    )
     a, b = both_ends()
     receiver = Receiver(bundle, ReceiverSettings())
     receiver.offer(Opener(b.incoming, b.session))
@@ -362,7 +364,9 @@ def test_a_hundred_thousand_bad_packets_change_nothing(pair: Pair, kind: str) ->
     ],
 )
 def test_a_field_without_a_range_is_finite_all_the_same(value: float, fate: Fate) -> None:
-    bundle = Bundle(source="a", target="b", fields=(Field(name="v"),), period=PERIOD, tick=TICK)
+    bundle = PacketBundle(
+        source="a", target="b", fields=(Field(name="v"),), period=PERIOD, tick=TICK
+    )
     a, b = both_ends()
     receiver = Receiver(bundle, ReceiverSettings())
     receiver.offer(Opener(b.incoming, b.session))

@@ -9,7 +9,7 @@ import pytest
 from cosim.link.stream.peer import LossPolicy, PeerState
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.settings import ClockMode, LinkSettings
-from cosim.testing.impairment import Impairment
+from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session
 
@@ -42,7 +42,7 @@ def test_ten_minutes_with_drifting_crystals_keep_n_constant(
     Full rate takes minutes: ``uv run pytest -m slow tests``.
     """
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002, jitter=0.0003, loss=0.01))
+    network.join("a", "b", BadNetwork(delay=0.002, jitter=0.0003, loss=0.01))
     delays: dict[str, set[int]] = {"a": set(), "b": set()}
     phases: list[float] = []
 
@@ -69,7 +69,7 @@ def test_ten_minutes_with_drifting_crystals_keep_n_constant(
 def test_with_free_clocks_the_slip_is_reported_and_nothing_is_lost() -> None:
     """100 ppm over four minutes: 24 ms, three ticks of 1/128 s."""
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002, jitter=0.0003))
+    network.join("a", "b", BadNetwork(delay=0.002, jitter=0.0003))
     a, b = two(network, 100e-6, rate=128, period=4, settings=FREE)
     run(network, [a, b], START + 240 * SECOND)
     assert b.grid.slew == a.grid.slew == 0.0
@@ -86,7 +86,7 @@ def test_counters_equal_what_the_network_did() -> None:
     network.join(
         "a",
         "b",
-        Impairment(
+        BadNetwork(
             delay=0.003,
             jitter=0.001,
             loss=0.05,
@@ -117,7 +117,7 @@ def test_counters_equal_what_the_network_did() -> None:
 def test_an_authentic_peer_with_a_frozen_finger_loses_its_weight_in_time() -> None:
     """Fresh packets, honest about the age of what is in them."""
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = two(network)
     frozen = 2048
 
@@ -143,7 +143,7 @@ def test_an_authentic_peer_with_a_frozen_finger_loses_its_weight_in_time() -> No
 
 def test_a_peer_whose_model_stands_still_is_found_without_its_help() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = two(network)
     a.source = lambda tick: (0.0, min(tick, 2048), 0, ACTIVE_STATUS)
     run(network, [a, b], START + 3 * SECOND)
@@ -153,7 +153,7 @@ def test_a_peer_whose_model_stands_still_is_found_without_its_help() -> None:
 
 def test_a_source_that_is_not_active_is_not_valid() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = two(network)
     a.source = lambda tick: (0.0, tick, 0, 1 if tick > 1024 else ACTIVE_STATUS)
     run(network, [a, b], START + 3 * SECOND)
@@ -163,7 +163,7 @@ def test_a_source_that_is_not_active_is_not_valid() -> None:
 
 def test_killing_and_restarting_one_side_never_jumps_and_heals_by_itself() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002, jitter=0.0003))
+    network.join("a", "b", BadNetwork(delay=0.002, jitter=0.0003))
     a, b = two(network)
     weights: list[float] = []
     b.watch = lambda station, tick: weights.append(station.value("lan.weight"))
@@ -188,7 +188,7 @@ def test_killing_and_restarting_one_side_never_jumps_and_heals_by_itself() -> No
 
 def test_an_orderly_stop_fades_the_peer_at_once() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002, loss=0.3))
+    network.join("a", "b", BadNetwork(delay=0.002, loss=0.3))
     a, b = two(network)
     run(network, [a, b], START + SECOND)
     a.remote.close()
@@ -200,7 +200,7 @@ def test_an_orderly_stop_fades_the_peer_at_once() -> None:
 def test_a_wide_area_link_is_slow_and_not_late() -> None:
     """60 ms there and back: eight samples are this link's nature."""
     network = Network()
-    network.join("a", "b", Impairment(delay=0.030, jitter=0.001))
+    network.join("a", "b", BadNetwork(delay=0.030, jitter=0.001))
     a, b = two(network)
     for station in (a, b):
         station.link.expect(60_000_000, 30_000_000)
@@ -214,10 +214,10 @@ def test_a_wide_area_link_is_slow_and_not_late() -> None:
 def test_packets_kept_back_on_the_way_are_dropped_although_authentic() -> None:
     """An attacker who can only delay: in order, all of them, 200 ms late."""
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = two(network)
     run(network, [a, b], START + 2 * SECOND)
-    network.join("a", "b", Impairment(delay=0.200))
+    network.join("a", "b", BadNetwork(delay=0.200))
     run(network, [a, b], START + 4 * SECOND)
     assert b.value("lan.weight") == 0.0
     assert b.link.incoming[0].receiver.counts[Fate.LATE] > 200
@@ -225,7 +225,7 @@ def test_packets_kept_back_on_the_way_are_dropped_although_authentic() -> None:
 
 def test_a_flood_is_cut_at_half_a_seconds_packets_a_tick() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.002))
+    network.join("a", "b", BadNetwork(delay=0.002))
     a, b = two(network)
     run(network, [a, b], START + SECOND)
     before = b.link.incoming[0].receiver.counts.sum()

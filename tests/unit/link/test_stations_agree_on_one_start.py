@@ -11,7 +11,7 @@ from cosim.link.session.contract import Contract
 from cosim.link.session.live import KEEP_SIZE
 from cosim.link.session.negotiator import side_of
 from cosim.link.session.start import StartAgreement
-from cosim.testing.impairment import Impairment
+from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.support import KEY
 
@@ -71,7 +71,7 @@ def test_thirty_starts_of_thirty_over_jitter_and_loss(count: int) -> None:
         for i, first in enumerate(names):
             for second in names[i + 1 :]:
                 network.join(
-                    first, second, Impairment(delay=0.006, jitter=0.005 / 3, loss=0.2), seed * 10
+                    first, second, BadNetwork(delay=0.006, jitter=0.005 / 3, loss=0.2), seed * 10
                 )
         stations = [station(name, names, clock) for name, clock in zip(names, CLOCKS, strict=False)]
         run(network, stations, 30 * 10**9, lambda s=stations: all(x.agreement.start for x in s))
@@ -89,7 +89,7 @@ def test_thirty_starts_of_thirty_over_jitter_and_loss(count: int) -> None:
 
 def test_the_start_is_as_synchronous_as_the_network_is_symmetric() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.001, jitter=0.0003))
+    network.join("a", "b", BadNetwork(delay=0.001, jitter=0.0003))
     stations = [station(name, ["a", "b"], clock) for name, clock in zip("ab", CLOCKS, strict=False)]
     run(network, stations, 10**10, lambda: all(s.agreement.start for s in stations))
     first, second = start_instants(stations)
@@ -98,7 +98,7 @@ def test_the_start_is_as_synchronous_as_the_network_is_symmetric() -> None:
 
 def test_one_that_comes_back_joins_the_grid_at_a_network_tick() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.001, jitter=0.0003, loss=0.2))
+    network.join("a", "b", BadNetwork(delay=0.001, jitter=0.0003, loss=0.2))
     a, b = (station(name, ["a", "b"], clock) for name, clock in zip("ab", CLOCKS, strict=False))
     run(network, [a, b], 10**10, lambda: all(s.agreement.start for s in (a, b)))
     assert a.agreement.start is not None
@@ -121,7 +121,7 @@ def test_one_that_comes_back_joins_the_grid_at_a_network_tick() -> None:
 
 def test_a_replayed_or_forged_clock_message_changes_nothing() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.001))
+    network.join("a", "b", BadNetwork(delay=0.001))
     stations = [station(name, ["a", "b"], SkewedClock()) for name in "ab"]
     a, b = stations
     kept: list[bytes] = []
@@ -147,7 +147,7 @@ def test_a_replayed_or_forged_clock_message_changes_nothing() -> None:
 
 def test_two_that_both_run_keep_in_touch_and_do_not_answer_each_other_for_ever() -> None:
     network = Network()
-    network.join("a", "b", Impairment(delay=0.001))
+    network.join("a", "b", BadNetwork(delay=0.001))
     stations = [station(name, ["a", "b"], SkewedClock()) for name in "ab"]
     run(network, stations, 10**10, lambda: all(s.agreement.start for s in stations))
     for s in stations:
@@ -165,7 +165,7 @@ def test_a_grid_that_cannot_be_is_not_joined() -> None:
     """Its holder has the key and says that it began a century ago, or begins in one."""
     for epoch in (-(10**18), 10**18, 10**11):
         network = Network()
-        network.join("a", "b", Impairment(delay=0.001))
+        network.join("a", "b", BadNetwork(delay=0.001))
         a, b = (station(name, ["a", "b"], SkewedClock()) for name in "ab")
         a.agreement.run_on(epoch)
         run(network, [a, b], 3 * 10**9)

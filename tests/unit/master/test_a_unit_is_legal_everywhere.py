@@ -134,5 +134,8 @@ def test_a_connection_from_rpm_to_rad_per_second_converts(tmp_path: Path):
 
 
 def test_units_need_the_standard_library_alone():
-    program = "import sys; sys.path.insert(0, sys.argv[1]); import cosim.base.quantities.units, fmus.description"
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "import cosim.base.quantities.units, fmus.description"
+    )
     subprocess.run([sys.executable, "-I", "-S", "-c", program, str(ROOT)], check=True)

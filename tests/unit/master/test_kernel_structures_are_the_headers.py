@@ -93,11 +93,13 @@ def test_a_wrong_structure_is_noticed() -> None:
     assert in_python(Wrong, "Record") != layout("Record", STRUCTS["Record"])
 
 
-@pytest.mark.parametrize("mirror", [native.Outcome, native.Kind])
-def test_constants_have_the_headers_values(mirror: type[IntEnum]) -> None:
-    names = ENUMS[mirror.__name__]
+@pytest.mark.parametrize(
+    ("name", "mirror"), [("Outcome", native.KernelOutcome), ("Kind", native.OperationKind)]
+)
+def test_constants_have_the_headers_values(name: str, mirror: type[IntEnum]) -> None:
+    names = ENUMS[name]
     values = _compiled(list(names), len(names))
-    prefix = f"{mirror.__name__.upper()}_"
+    prefix = f"{name.upper()}_"
     assert dict(zip((n.removeprefix(prefix) for n in names), values, strict=True)) == {
         member.name: member.value for member in mirror
     }

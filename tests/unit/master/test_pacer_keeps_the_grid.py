@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import RunError
-from cosim.realtime.deadlines import Cause, Deadlines
+from cosim.realtime.deadlines import Deadlines, MissCause
 from cosim.realtime.pacing import DeadlinePacer, sleep_until
 
 TICK = Fraction(1, 1024)
@@ -137,7 +137,7 @@ def test_a_miss_is_told_by_what_made_it():
     pacer.work.add(1, 2_500_000)
     world.work(2_530_000)
     pacer.wait(3)
-    assert pacer.deadlines.causes == dict.fromkeys(Cause, 1)
+    assert pacer.deadlines.causes == dict.fromkeys(MissCause, 1)
     assert pacer.deadlines.longest == {"link.read": 1}
     assert pacer.summary()["work"]["link.read"]["worst"] == pytest.approx(2.5e-3)
 

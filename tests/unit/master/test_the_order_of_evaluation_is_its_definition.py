@@ -103,9 +103,9 @@ def test_ordering_grows_with_the_number_of_units(kind: str) -> None:
     times: list[float] = []
     for count in (1_000, 8_000):
         subject = graph(count)
-        best = min(_seconds(subject) for _ in range(3))
-        times.append(best)
-    assert times[1] < 8 * times[0] * 3, "eight times the units in far less than the square"
+        times.append(min(_seconds(subject) for _ in range(5)))
+    # Caches that no longer hold it all cost a factor; the square would cost 64.
+    assert times[1] < 8 * times[0] * 5, "eight times the units in far less than the square"
 
 
 def _seconds(graph: Graph) -> float:

@@ -8,12 +8,12 @@ import pytest
 from cosim.base.errors import InputError
 from cosim.theory.models.frame import Frame, assemble
 from cosim.theory.models.parameters import TABLE_6_1, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.transparency.admittance import Case, Felt, default_parameters, perceived
 from cosim.theory.transparency.damping import limit_damping
 from cosim.theory.transparency.stiffness import equivalent_stiffness
 
-ONE = Timing(delay=Delay.round_trip(1))
+ONE = Timing(delay=PathDelay.round_trip(1))
 
 
 def response(felt: Felt, case: Case, *frequencies: float):

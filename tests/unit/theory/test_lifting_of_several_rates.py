@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from cosim.theory.models.lifting import Signal, lift
+from cosim.theory.models.lifting import LiftedSignal, lift
 
 TICK = 1e-3
 
 
-def simulated(A: np.ndarray, signals: list[Signal], force: np.ndarray) -> np.ndarray:
+def simulated(A: np.ndarray, signals: list[LiftedSignal], force: np.ndarray) -> np.ndarray:
     """The map of one hyperperiod with its constant force, column by column, by expm and a loop."""
     n = A.shape[0]
     ticks = math.lcm(*(signal.period for signal in signals))
@@ -60,9 +60,9 @@ def test_three_rates_with_delays(periods: list[int], delays: list[int], seed: in
     n = 4
     A = rng.normal(size=(n, n)) * 20
     signals = [
-        Signal(periods[0], rng.normal(size=n), {}, rng.normal(size=n) * 50, delays[0]),
-        Signal(periods[1], rng.normal(size=n), {0: 0.7}, None, delays[1]),
-        Signal(
+        LiftedSignal(periods[0], rng.normal(size=n), {}, rng.normal(size=n) * 50, delays[0]),
+        LiftedSignal(periods[1], rng.normal(size=n), {0: 0.7}, None, delays[1]),
+        LiftedSignal(
             periods[2], rng.normal(size=n), {0: -0.4, 1: 1.3}, rng.normal(size=n) * 50, delays[2]
         ),
     ]

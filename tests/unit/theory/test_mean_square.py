@@ -23,7 +23,7 @@ from cosim.theory.chance.packets import (
 from cosim.theory.models.frame import HOLD, assemble
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability
 
 
@@ -32,7 +32,7 @@ def loop(architecture: Architecture = "distributed", **given: float) -> Model:
 
 
 def system(loss: float, losses: Losses = "independent") -> JumpSystem:
-    assembly = assemble(loop(), Timing(delay=Delay.round_trip(1)))
+    assembly = assemble(loop(), Timing(delay=PathDelay.round_trip(1)))
     processes = [bernoulli(loss, link.delay) for link in assembly.links]
     return jump_system(assembly, join(processes, losses))
 
@@ -93,7 +93,7 @@ def test_markov_channel_has_the_radius_of_the_full_kronecker_form() -> None:
 @pytest.mark.parametrize("architecture", ["centralized", "distributed"])
 @pytest.mark.parametrize("n", range(4))
 def test_without_loss_it_is_the_spectral_radius_squared(architecture: Architecture, n: int) -> None:
-    model, timing = loop(architecture), Timing(delay=Delay.round_trip(n))
+    model, timing = loop(architecture), Timing(delay=PathDelay.round_trip(n))
     radius = mean_square_radius(model, timing, lambda delay: bernoulli(0.0, delay))
     assert radius == pytest.approx(stability(model, timing).spectral_radius ** 2, rel=1e-9)
 
@@ -103,7 +103,7 @@ def test_a_certain_random_delay_is_a_fixed_one(delay: int) -> None:
     model = loop()
     certain = [0.0] * delay + [1.0]
     radius = mean_square_radius(model, Timing(), lambda _: random_delay(certain))
-    fixed = stability(model, Timing(delay=Delay.each_way(delay))).spectral_radius
+    fixed = stability(model, Timing(delay=PathDelay.each_way(delay))).spectral_radius
     assert radius == pytest.approx(fixed**2, rel=1e-9)
 
 
@@ -142,7 +142,7 @@ def test_critical_loss_is_where_the_radius_crosses_one() -> None:
 
 
 def test_critical_loss_of_loops_that_are_unstable_or_immune() -> None:
-    assert critical_loss(loop("centralized"), Timing(delay=Delay.round_trip(2))) == 0.0
+    assert critical_loss(loop("centralized"), Timing(delay=PathDelay.round_trip(2))) == 0.0
     assert critical_loss(loop(), Timing()) is None
 
 

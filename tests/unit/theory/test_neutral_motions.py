@@ -6,7 +6,7 @@ import numpy as np
 
 from cosim.theory.models.frame import assemble
 from cosim.theory.models.parameters import CHAPTER_5, TABLE_6_1, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.compensation import null_compensation
 from cosim.theory.transparency.damping import uniform_compensation
@@ -36,7 +36,7 @@ def test_cooperative_loops_are_not_marginal() -> None:
 
 def test_an_exactly_compensated_loop_is_marginal_and_an_overcompensated_one_unstable() -> None:
     model = Parameters("distributed", {}, TABLE_6_1["distributed"]).model((True, False))
-    timing = Timing(delay=Delay.round_trip(1))
+    timing = Timing(delay=PathDelay.round_trip(1))
     null = null_compensation(model, timing, 0).value
     exact = stability(uniform_compensation(model, null), timing)
     assert exact.marginal

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
 from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.margins import margins, scaled
 from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 from cosim.theory.stability.spectral_radius import stability
@@ -50,7 +50,7 @@ def test_too_much_coupler_damping_leaves_no_z_width() -> None:
 @pytest.mark.parametrize("architecture", ["single", "centralized", "distributed"])
 def test_margins_are_where_stability_ends(architecture: Architecture) -> None:
     model = Parameters(architecture, {}, CHAPTER_5[architecture]).model()
-    timing = Timing(ratio=1) if architecture == "single" else Timing(delay=Delay.round_trip(1))
+    timing = Timing(ratio=1) if architecture == "single" else Timing(delay=PathDelay.round_trip(1))
     found = margins(model, timing)
     for kind, (low, high) in (("stiffness", found.stiffness), ("damping", found.damping)):
         assert low <= 1 <= high
@@ -65,8 +65,8 @@ def test_margins_are_where_stability_ends(architecture: Architecture) -> None:
         assert found.stiffness[1] == pytest.approx(20480 / 1000, rel=1e-6)
     else:
         assert found.delay is not None
-        limit = stability(model, Timing(delay=Delay.round_trip(1 + found.delay)))
-        beyond = stability(model, Timing(delay=Delay.round_trip(2 + found.delay)))
+        limit = stability(model, Timing(delay=PathDelay.round_trip(1 + found.delay)))
+        beyond = stability(model, Timing(delay=PathDelay.round_trip(2 + found.delay)))
         assert limit.stable
         assert not beyond.stable
 
@@ -74,7 +74,7 @@ def test_margins_are_where_stability_ends(architecture: Architecture) -> None:
 def test_an_unstable_design_point_has_no_margins() -> None:
     model = Parameters("centralized", {"k_2": 2000.0}, CHAPTER_5["centralized"]).model()
     with pytest.raises(InputError, match="lower the network couplers' stiffness"):
-        margins(model, Timing(delay=Delay.round_trip(2)))
+        margins(model, Timing(delay=PathDelay.round_trip(2)))
 
 
 def test_network_margin_leaves_the_local_coupler_alone() -> None:

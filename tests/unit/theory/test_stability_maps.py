@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from cosim.theory.chapters.chapter_5 import DELAYS, FIGURES, StabilityFigure
 from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
 from cosim.theory.models.station import Station, hand_alone, object_station
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.map import Axis, stability_maps
 from cosim.theory.stability.schur_cohn import all_roots_inside, divide_by_z_minus_one, multiply
 from cosim.theory.stability.spectral_radius import stability
@@ -48,7 +48,7 @@ def by_eigenvalues(
                 timed = Timing(
                     timing.control_period,
                     timing.ratio,
-                    Delay.round_trip(n),
+                    PathDelay.round_trip(n),
                     timing.computation_delay,
                 )
                 cells[number, row, column] = stability(model, timed).stable
@@ -150,7 +150,7 @@ def test_no_cell_of_a_full_figure_differs(figure: StabilityFigure, n: int) -> No
             {"b_h": 0.5},
             ("k", 40000.0),
             ("b", 40.0),
-            Timing(Fraction(1, 1024), Fraction(1), Delay(), 1),
+            Timing(Fraction(1, 1024), Fraction(1), PathDelay(), 1),
         ),
         (
             "distributed",
@@ -165,7 +165,7 @@ def test_no_cell_of_a_full_figure_differs(figure: StabilityFigure, n: int) -> No
             {},
             ("k_11", 9000.0),
             ("k_12", 3000.0),
-            Timing(Fraction(1, 1024), Fraction(8), Delay(), 2),
+            Timing(Fraction(1, 1024), Fraction(8), PathDelay(), 2),
         ),
         ("centralized", {"k_w": 3000.0, "b_w": 5.0}, ("k_1", 9000.0), ("k_2", 900.0), Timing()),
     ],

@@ -10,13 +10,13 @@ import pytest
 from cosim.base.errors import InputError
 from cosim.theory.models.monodromy import monodromy
 from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
-from cosim.theory.models.timing import Delay, Timing
+from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.quotient import decisive_spectrum
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 
 def timing(n: int) -> Timing:
-    return Timing(delay=Delay.round_trip(n))
+    return Timing(delay=PathDelay.round_trip(n))
 
 
 def intervals(
@@ -79,7 +79,7 @@ def test_rho_of_a_rational_ratio_lies_between_its_neighbours() -> None:
     parameters = Parameters("distributed", {"k_12": 900.0}, CHAPTER_5["distributed"])
     radii = [
         stability(
-            parameters.model(), Timing(ratio=ratio, delay=Delay.round_trip(1))
+            parameters.model(), Timing(ratio=ratio, delay=PathDelay.round_trip(1))
         ).spectral_radius
         for ratio in (Fraction(8), Fraction(17, 2), Fraction(9))
     ]

@@ -10,7 +10,7 @@ import pytest
 
 from cosim.theory.chapters.thesis_page import thesis_page
 from cosim.theory.models.direct import direct_model
-from cosim.theory.models.lifting import Signal, lift
+from cosim.theory.models.lifting import LiftedSignal, lift
 from cosim.theory.models.parameters import TABLE_6_1, Parameters
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import spectral_radius
@@ -48,13 +48,13 @@ def test_the_third_line_of_4_26_taken_literally_is_unstable() -> None:
 
     hand, body, other = (0, 10.0), (1, 2.5), (2, 10.0)
     shared = [
-        Signal(1, gains(1000, 15, (0, 1), (1, -1)), {}, on((0, -hand[1]), (1, body[1]))),
-        Signal(8, gains(85, 3, (2, 1))),
-        Signal(1, gains(85, 3, (1, 1)), {1: 1.0}, on((1, -body[1]))),
+        LiftedSignal(1, gains(1000, 15, (0, 1), (1, -1)), {}, on((0, -hand[1]), (1, body[1]))),
+        LiftedSignal(8, gains(85, 3, (2, 1))),
+        LiftedSignal(1, gains(85, 3, (1, 1)), {1: 1.0}, on((1, -body[1]))),
     ]
 
     def radius(source: int) -> float:
-        down = Signal(8, gains(85, 3, (source, 1), (1, 1)), {}, on((2, -other[1])))
+        down = LiftedSignal(8, gains(85, 3, (source, 1), (1, 1)), {}, on((2, -other[1])))
         return spectral_radius(lift(A, [*shared, down], 1 / 1024, ticks=8).map)
 
     assert f"{radius(0):.3f}" == "1.247"
