@@ -41,6 +41,8 @@ ELSEWHERE = {
     ("Document", "realtime"),
     ("ComponentForm", "playback"),
     ("ComponentForm", "of"),
+    # What an imperfect description meets is shown with such FMUs.
+    ("ComponentForm", "validate"),
 }
 """Keys whose effect the tests below show in another way."""
 
