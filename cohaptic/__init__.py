@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cosim.analysis import load_tuned as load
+    from cohaptic.reading import load
     from cosim.base.component import Causality, Component, Variable, VariableType
     from cosim.record import open_run
     from cosim.run import run_scenario as run
@@ -25,7 +25,7 @@ else:
         "Component": ("cosim.base.component", "Component"),
         "Variable": ("cosim.base.component", "Variable"),
         "VariableType": ("cosim.base.component", "VariableType"),
-        "load": ("cosim.analysis", "load_tuned"),
+        "load": ("cohaptic.reading", "load"),
         "open_run": ("cosim.record", "open_run"),
         "run": ("cosim.run", "run_scenario"),
     }

@@ -89,6 +89,15 @@ def test_weights_that_do_not_sum_to_one_are_refused() -> None:
         load("two_users_box", (), ["channels.lan.jitter={weights: [0.5, 0.2]}"])
 
 
+def test_the_package_reads_as_the_commands_do(tmp_path) -> None:
+    import cohaptic
+
+    file = tmp_path / "bench.yaml"
+    file.write_text(f"{BENCH}safety: {{torque: 1 V}}\n")
+    with pytest.raises(InputError, match="does not convert to N.m"):
+        cohaptic.load(file)
+
+
 def test_sections_are_in_si_units_and_survive_their_own_writing(tmp_path) -> None:
     sets = ("safety.torque='100 mN.m'", "link.fade='20 ms'", "realtime={on_miss: stop, cpu: 0}")
     scenario = load("two_users_box", (), sets, forms=FORMS)
