@@ -15,8 +15,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cohaptic.reading import load
     from cosim.base.component import Causality, Component, Variable, VariableType
+    from cosim.reading import load
     from cosim.record import open_run
     from cosim.run import run_scenario as run
 else:
@@ -25,7 +25,7 @@ else:
         "Component": ("cosim.base.component", "Component"),
         "Variable": ("cosim.base.component", "Variable"),
         "VariableType": ("cosim.base.component", "VariableType"),
-        "load": ("cohaptic.reading", "load"),
+        "load": ("cosim.reading", "load"),
         "open_run": ("cosim.record", "open_run"),
         "run": ("cosim.run", "run_scenario"),
     }

@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
     if schema:
-        from cosim.cli.support.forms import FORMS
+        from cosim.reading import FORMS
         from cosim.scenario.form.document import json_schema
 
         click.echo(json.dumps(json_schema(FORMS), indent=2))
@@ -57,15 +57,14 @@ def _check(
     scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
 ) -> tuple[Scenario, dict[str, Any]]:
     """The loaded scenario and what there is to say about it."""
-    from cosim.analysis import load_tuned
     from cosim.cli.support.check_devices import DeviceJudge
-    from cosim.cli.support.forms import FORMS
     from cosim.preparation.prepare import prepare
     from cosim.preparation.trial_start import try_to_start
+    from cosim.reading import load
     from cosim.scenario.describe import describe
     from cosim.station.halves import refuse_unusable_halves
 
-    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
+    loaded = load(scenario, overlays, sets)
     judge = DeviceJudge()
     prepared = prepare(loaded, judge=judge)
     with prepared.simulation as simulation:

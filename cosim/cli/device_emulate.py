@@ -111,13 +111,12 @@ def _write_emulated_file(
 def _from_scenario(
     scenario: str | None, overlays: tuple[str, ...], component: str | None
 ) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
-    from cosim.analysis import load_tuned
     from cosim.base.errors import InputError
-    from cosim.cli.support.forms import FORMS
+    from cosim.reading import load
 
     if scenario is None or component is None:
         return {"initial_tip_position": (0.0425, 0.2)}, None
-    loaded = load_tuned(scenario, overlays, forms=FORMS)
+    loaded = load(scenario, overlays)
     if component not in loaded.components:
         raise InputError(f"{scenario} has no component '{component}'")
     movers = [

@@ -71,17 +71,16 @@ def command(
     Exit status: 0 good; 1 the run failed, was interrupted, or an expectation was not met;
     2 something that was given cannot be used.
     """
-    from cosim.analysis import load_tuned
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.child import run_in_child
     from cosim.cli.support.devices import say
-    from cosim.cli.support.forms import FORMS
+    from cosim.reading import load
     from cosim.run import run_scenario
 
     refuse_without_realtime(realtime=realtime, on_miss=on_miss, cpu=cpu)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
+    loaded = load(scenario, overlays, sets)
     refuse_without_devices(loaded, enable_output=enable_output, yes=yes, dead_man=dead_man)
     paced = _devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime

@@ -83,13 +83,12 @@ def command(
     Start the same scenario on every machine, each with its own --as. The stations compare what
     they are about to run, agree on a start, and each records its own side.
     """
-    from cosim.analysis import load_tuned
     from cosim.analysis.longest_delay import longest_delay
     from cosim.base.system.grants import clock_nanosleep
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import device_session, say
-    from cosim.cli.support.forms import FORMS
     from cosim.link.wire.transport import Address
+    from cosim.reading import load
     from cosim.realtime.paced_run import PacedRun
     from cosim.station.run import Arrangement, run_station
 
@@ -98,7 +97,7 @@ def command(
         signal.signal(number, signal.default_int_handler)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load_tuned(scenario, overlays, sets, forms=FORMS)
+    loaded = load(scenario, overlays, sets)
     refuse_without_devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, station=own
     )

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 
 from cosim.base.form import QuantityIn
-from cosim.cli.support.forms import FORMS
+from cosim.reading import FORMS
 from hil.setup.device_form import DeviceFileForm
 from hil.setup.options import IntegersIn
 from hil.setup.registry import find, names

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from cosim.base.errors import InputError, InputErrors
-from cosim.cli.support.forms import FORMS
+from cosim.reading import FORMS
 from cosim.scenario import load as load_scenario
 from hil.setup.device_file import load as load_device_file
 from tests.fuzz.mutation import mutated

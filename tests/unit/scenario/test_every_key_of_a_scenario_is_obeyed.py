@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from cosim.base.errors import CohapticError
-from cosim.cli.support.forms import FORMS
 from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import put_together
+from cosim.reading import FORMS
 from cosim.record import open_run
 from cosim.record.digest import digest
 from cosim.record.playback import KINDS

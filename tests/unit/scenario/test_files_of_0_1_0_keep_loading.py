@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.cli.support.forms import FORMS
+from cosim.reading import FORMS
 from cosim.scenario import load
 from hil.setup.device_file import load as load_device
 

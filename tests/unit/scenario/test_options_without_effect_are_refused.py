@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 from cosim.base.errors import InputError
 from cosim.cli import cli
-from cosim.cli.support.forms import FORMS
 from cosim.cli.support.pace import Pace, pace_of
+from cosim.reading import FORMS
 from cosim.realtime.form import RealtimeForm
 from cosim.scenario import load
 

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from cosim.base.errors import InputError, InputErrors
 from cosim.cli import cli
-from cosim.cli.support.forms import FORMS
+from cosim.reading import FORMS
 from cosim.scenario import load
 from cosim.scenario.resolved import to_yaml
 
@@ -94,7 +94,7 @@ def test_the_package_reads_as_the_commands_do(tmp_path) -> None:
 
     file = tmp_path / "bench.yaml"
     file.write_text(f"{BENCH}safety: {{torque: 1 V}}\n")
-    with pytest.raises(InputError, match="does not convert to N.m"):
+    with pytest.raises(InputError, match=r"does not convert to N\.m"):
         cohaptic.load(file)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from cosim.cli.support.forms import FORMS
+from cosim.reading import FORMS
 from cosim.scenario.form.document import Document, json_schema
 from cosim.scenario.source.find import bundled_folder
 

@@ -1,0 +1,61 @@
+"""A scenario as every command reads it: each section judged by the form of those who obey it.
+
+This is the one module that names all of them, so that the reader itself need not know them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from cosim.scenario import Scenario
+    from cosim.scenario.form.sections import Forms
+
+
+def _safety() -> type[BaseModel]:
+    from hil.safety.form import SafetyForm
+
+    return SafetyForm
+
+
+def _realtime() -> type[BaseModel]:
+    from cosim.realtime.form import RealtimeForm
+
+    return RealtimeForm
+
+
+def _link() -> type[BaseModel]:
+    from cosim.link.stream.form import LinkForm
+
+    return LinkForm
+
+
+def _expect() -> type[BaseModel]:
+    from cosim.report.expectation_form import expect_form
+
+    return expect_form()
+
+
+FORMS: Forms = {"safety": _safety, "realtime": _realtime, "link": _link, "expect": _expect}
+
+
+def load(
+    path: str | PathLike[str],
+    overlays: Sequence[str | PathLike[str]] = (),
+    sets: Sequence[str] = (),
+) -> Scenario:
+    """Read and check a scenario, with numbers in place of every ``compensation: auto``.
+
+    ``path`` and ``overlays`` are found as files first and then by bundled name, ``-`` is standard
+    input; ``sets`` are ``a.b=c`` overrides.
+
+    Raises:
+        InputError: one or more (``InputErrors``) problems, each with its place.
+    """
+    from cosim.analysis import load_tuned
+
+    return load_tuned(path, overlays, sets, forms=FORMS)
