@@ -10,9 +10,9 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from cosim.base.form import QuantityIn
 from pydantic import BaseModel
 
+from cosim.base.document.form import QuantityIn
 from cosim.reading import FORMS
 from hil.setup.device_form import DeviceFileForm
 from hil.setup.options import IntegersIn
