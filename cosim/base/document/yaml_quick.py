@@ -20,7 +20,8 @@ _UNUSUAL = re.compile(
     r"|[\u2028\u2029]"
     r"|!"  # a tag
     r"|^%"  # a directive
-    r"|^(?:---|\.\.\.)",  # a document's beginning or end
+    r"|^(?:---|\.\.\.)"  # a document's beginning or end
+    r"|[|>][-+0-9]* *\n(?:\n)* +\n",  # text whose first lines are blanks: how deep is it?
     re.MULTILINE,
 )
 _WHOLE = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")

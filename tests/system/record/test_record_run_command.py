@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import click
 import pytest
 
 from cosim.base.errors import InputError
@@ -88,9 +89,11 @@ def test_bad_input_is_a_sentence_and_leaves_nothing_behind(
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "file").write_text("mine")
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError) as refused:
+    with pytest.raises((InputError, click.BadParameter)) as refused:
         command.main([str(SCENARIO), *arguments], standalone_mode=False)
     assert told in str(refused.value)
+    status = getattr(refused.value, "exit_status", None) or getattr(refused.value, "exit_code", 0)
+    assert status == 2
     assert {path.name for path in tmp_path.rglob("*")} == {"taken", "file"}
 
 
