@@ -30,6 +30,9 @@ def measure(scenario: str, since: float) -> dict[str, float]:
         times[part] = time.monotonic() - since - sum(times.values())
 
     lap("interpreter")
+    from cosim.base.system.garbage import collect_seldom
+
+    collect_seldom()  # as the command does
     from cosim.analysis import load_tuned
     from cosim.master.run.simulation import assemble
     from cosim.session import RUN_FILE, Recorder

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from cosim.base.errors import CohapticError
+from cosim.base.system.garbage import collect_seldom
 from cosim.cli.support.stdout import reserve_stdout
 
 # Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
@@ -57,6 +58,7 @@ def cli() -> None:
 def main() -> None:
     """Run the command line; a user's mistake ends in a sentence and an exit status."""
     reserve_stdout()
+    collect_seldom()
     try:
         cli(standalone_mode=False)
     except click.exceptions.Exit as stop:
