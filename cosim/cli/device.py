@@ -206,12 +206,12 @@ def calibrate_device(
 
 def _opened(url: str, file: Path | None) -> Device:
     from hil.device.device import Device
+    from hil.device.driver import find_driver
     from hil.setup.address import parse
     from hil.setup.device_file import default, load
-    from hil.setup.registry import find
 
     address = parse(url)
-    kind = find(address.driver)
+    kind = find_driver(address.driver)
     device = Device(kind, address, load(file) if file is not None else default(kind.driver))
     device.configure()
     return device

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntFlag, StrEnum
-from typing import TYPE_CHECKING
 
+from hil.device.errors import DeviceError
 from hil.safety.linkage import Pair
-
-if TYPE_CHECKING:
-    from hil.device.errors import DeviceError
 
 ZERO: Pair = (0.0, 0.0)
 
@@ -47,42 +44,6 @@ class Flag(IntFlag):
     DRY = 256
     NOT_SENT = 512
     IGNORED_INPUT = 1024
-
-
-class Cause(StrEnum):
-    """Why a device went into FAULT."""
-
-    COMMAND = "command"
-    MEASUREMENT = "measurement"
-    STALE = "stale"
-    JUMP = "jump"
-    SPEED = "speed"
-    LATE = "late"
-    PORT = "port"
-    PROTOCOL = "protocol"
-    BOARD = "board"
-    RESTARTED = "restarted"
-    FIRST_COMMAND = "first command"
-    SUPERVISOR = "supervisor"
-    SIBLING = "another device"
-    DEAD_MAN = "dead man"
-
-    @property
-    def unhomes(self) -> bool:
-        """Whether the joint angles can no longer be trusted afterwards."""
-        return self in {
-            Cause.MEASUREMENT,
-            Cause.JUMP,
-            Cause.PORT,
-            Cause.PROTOCOL,
-            Cause.RESTARTED,
-            Cause.STALE,
-        }
-
-    @property
-    def is_motion(self) -> bool:
-        """Whether the device moved in a way that its commands do not explain."""
-        return self in {Cause.JUMP, Cause.SPEED}
 
 
 class WriteOutcome(StrEnum):

@@ -17,19 +17,9 @@ from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
 from cosim.base.system.supervised import DeviceCells
 from hil.device.alarm import Alarm
-from hil.device.contract import (
-    ZERO,
-    Cause,
-    Flag,
-    Measurement,
-    Sent,
-    State,
-    Status,
-    Watchdog,
-    WriteOutcome,
-)
+from hil.device.contract import ZERO, Flag, Measurement, Sent, State, Status, Watchdog, WriteOutcome
 from hil.device.driver import Driver
-from hil.device.errors import ActivationRefused, DeviceError, DeviceFault, LifecycleError
+from hil.device.errors import ActivationRefused, Cause, DeviceError, DeviceFault, LifecycleError
 from hil.device.fault_latch import SETTLE_TICKS, FaultLatch
 from hil.device.judge import Judge
 from hil.device.sample_clock import SampleClock

@@ -10,18 +10,19 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any
 
+from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
-from hil.setup.options import UrlOptions
-from hil.setup.settings import DriverSettings
+from hil.setup.driver_facts import DriverFacts
+from hil.setup.registry import GROUP, find
 
 
-class Driver(ABC):
+class Driver(DriverFacts, ABC):
     """One protocol on one port; registered under the entry points ``cohaptic.devices``.
 
     ``tick`` is the control period (s). ``pulse`` is the supervisor's shared memory, ``None``
@@ -29,34 +30,6 @@ class Driver(ABC):
     for what only a simulated device can use. Every call but ``open`` and ``preset`` is bounded in
     time; errors are raised as ``DeviceError``.
     """
-
-    driver: ClassVar[str]
-    """Its name, as in a URL."""
-    latency_ticks: ClassVar[int] = 0
-    """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
-    native_period_ticks: ClassVar[float] = 1.0
-    """How often the device has a new sample, in control ticks."""
-    in_process: ClassVar[bool] = False
-    """Whether there is no hardware and no other process behind it (``mock``)."""
-    shares_port: ClassVar[bool] = True
-    """Whether another process can go on with its open port; with a maker's library none can."""
-    tested_on_hardware: ClassVar[bool] = False
-    has_input: ClassVar[bool] = False
-    """Whether the board tells of a switch on it, which can serve as a dead-man input."""
-    settings: ClassVar[type[DriverSettings]] = DriverSettings
-    """The form of ``settings`` in its device file."""
-    options: ClassVar[type[UrlOptions]] = UrlOptions
-    """The form of the options in its URL."""
-    emulator: ClassVar[str | None] = None
-    """``module:function`` that makes its emulated board (``hil.emulation.launch``)."""
-    preset: ClassVar[str] = "quanser"
-    """The device that a device file describes where it does not name one."""
-    takes_volts: ClassVar[bool] = False
-    """Whether it takes volts: then a drive defaults to the preset's motor and amplifier."""
-    found_on: ClassVar[str | None] = None
-    """Where ``cohaptic device find`` looks for it: ``serial``, ``can``, or nowhere."""
-    usb_ids: ClassVar[tuple[tuple[int, int], ...]] = ()
-    """Vendor and product numbers of boards that are known to be this one's."""
 
     def __init__(
         self,
@@ -74,16 +47,6 @@ class Driver(ABC):
         self.pulse = pulse
         self.number = number
         self.parameters = dict(parameters or {})
-
-    @classmethod
-    def component(cls, url: str, options: dict[str, Any], safety: dict[str, Any]) -> Any:
-        """The component that a scenario's ``device: URL`` stands for (entry point contract).
-
-        ``safety`` are limits that the scenario puts on every device: the tighter ones hold.
-        """
-        from hil.device.component import DeviceComponent  # it needs this class itself
-
-        return DeviceComponent(cls, url, options, safety)
 
     @classmethod
     def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse | None:
@@ -174,3 +137,17 @@ class Driver(ABC):
 
     def recover(self) -> None:
         """Complete or drain a frame that a dead loop left half written."""
+
+
+def find_driver(name: str) -> type[Driver]:
+    """A registered driver's class.
+
+    Raises:
+        InputError: there is no driver of that name, or what is registered is none.
+    """
+    kind = find(name)
+    if not issubclass(kind, Driver):
+        raise InputError(
+            f"the entry point '{name}' of {GROUP} is no subclass of hil.device.driver.Driver"
+        )
+    return kind

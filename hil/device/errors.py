@@ -2,10 +2,46 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import ClassVar
 
 from cosim.base.errors import RunError
-from hil.device.contract import Cause
+
+
+class Cause(StrEnum):
+    """Why a device went into FAULT."""
+
+    COMMAND = "command"
+    MEASUREMENT = "measurement"
+    STALE = "stale"
+    JUMP = "jump"
+    SPEED = "speed"
+    LATE = "late"
+    PORT = "port"
+    PROTOCOL = "protocol"
+    BOARD = "board"
+    RESTARTED = "restarted"
+    FIRST_COMMAND = "first command"
+    SUPERVISOR = "supervisor"
+    SIBLING = "another device"
+    DEAD_MAN = "dead man"
+
+    @property
+    def unhomes(self) -> bool:
+        """Whether the joint angles can no longer be trusted afterwards."""
+        return self in {
+            Cause.MEASUREMENT,
+            Cause.JUMP,
+            Cause.PORT,
+            Cause.PROTOCOL,
+            Cause.RESTARTED,
+            Cause.STALE,
+        }
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether the device moved in a way that its commands do not explain."""
+        return self in {Cause.JUMP, Cause.SPEED}
 
 
 class DeviceError(RunError):

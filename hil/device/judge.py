@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
-from hil.device.contract import Cause, Received, State
-from hil.device.errors import BoardError
+from hil.device.contract import Received, State
+from hil.device.errors import BoardError, Cause
 from hil.safety.layer import Trip
 
 LONGEST_STEP = 1.0

@@ -12,7 +12,8 @@ from copy import copy
 from dataclasses import dataclass
 from math import copysign, hypot, isfinite
 
-from hil.device.contract import ZERO, Cause, Flag
+from hil.device.contract import ZERO, Flag
+from hil.device.errors import Cause
 from hil.safety.limits import (
     ACTIVATION_TIP_SPEED,
     DROP_TICKS,

@@ -3,19 +3,68 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
+from hil.device.contract import Watchdog
 from hil.device.errors import ActivationRefused
 from hil.safety.limits import LATE_SECONDS, LEAST_TICKS
-
-if TYPE_CHECKING:
-    from hil.device.device import Device
+from hil.safety.permission import Permission
+from hil.setup.address import DeviceAddress
 
 NETWORK = frozenset({"socket", "rfc2217", "udp_multicast"})
 """Transports that anybody on the network could write to: for emulators only."""
 
 
-def check_safeguards(device: Device) -> None:
+class Guarded(Protocol):
+    """A device as far as its safeguards go."""
+
+    @property
+    def permission(self) -> Permission | None:
+        """Who let torque out, and how."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """What sentences call it."""
+        ...
+
+    @property
+    def tick(self) -> float:
+        """The control period (s)."""
+        ...
+
+    @property
+    def in_process(self) -> bool:
+        """Whether nothing real is behind it."""
+        ...
+
+    @property
+    def lockstep(self) -> bool:
+        """Whether its emulator waits for it."""
+        ...
+
+    @property
+    def address(self) -> DeviceAddress:
+        """Where it is."""
+        ...
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """What its board does when it hears nothing."""
+        ...
+
+    @property
+    def file(self) -> Any:
+        """Its device file."""
+        ...
+
+    @property
+    def driver(self) -> Any:
+        """Its driver."""
+        ...
+
+
+def check_safeguards(device: Guarded) -> None:
     """Refuse output that nothing would switch off when this process dies.
 
     Raises:

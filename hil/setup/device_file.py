@@ -23,7 +23,8 @@ from hil.safety.linkage import Linkage, Pair, Region
 
 if TYPE_CHECKING:
     from hil.setup.device_form import DeviceFileForm, DriveForm, JointForm
-    from hil.setup.settings import DriverSettings
+from hil.setup.driver_facts import DriverSettings
+from hil.setup.registry import find
 
 Drive = TorqueDrive | VoltageDrive
 S = TypeVar("S", bound="DriverSettings")
@@ -170,8 +171,6 @@ class _Builder:
     """Completes the form by its preset, and judges what only fits together."""
 
     def __init__(self, form: DeviceFileForm, problems: Problems) -> None:
-        from hil.setup.registry import find  # a driver needs the device file itself
-
         self._form = form
         self._problems = problems
         self._kind = find(form.driver)

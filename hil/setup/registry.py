@@ -9,7 +9,7 @@ from difflib import get_close_matches
 
 from cosim.base.errors import InputError
 from cosim.base.system.installed import registered
-from hil.device.driver import Driver
+from hil.setup.driver_facts import DriverFacts
 
 GROUP = "cohaptic.devices"
 
@@ -19,8 +19,8 @@ def names() -> list[str]:
     return sorted({entry.name for entry in registered(GROUP)})
 
 
-def find(name: str) -> type[Driver]:
-    """The driver's class.
+def find(name: str) -> type[DriverFacts]:
+    """The driver's class, for what it declares.
 
     Raises:
         InputError: there is no driver of that name, or its package is missing something.
@@ -34,7 +34,7 @@ def find(name: str) -> type[Driver]:
         kind: object = found[0].load()
     except ImportError as error:
         raise InputError(f"the device driver '{name}' cannot be loaded: {error}") from error
-    if not (isinstance(kind, type) and issubclass(kind, Driver)):
+    if not (isinstance(kind, type) and issubclass(kind, DriverFacts)):
         raise InputError(
             f"the entry point '{name}' of {GROUP} is no subclass of hil.device.driver.Driver"
         )

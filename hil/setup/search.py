@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from cosim.base.errors import InputError
-from hil.device.driver import Driver
+from hil.setup.driver_facts import DriverFacts
 from hil.setup.registry import find, names
 
 _CAN_HARDWARE_TYPE = "280"
@@ -42,9 +42,9 @@ def candidates() -> list[dict[str, str]]:
     return found
 
 
-def _drivers() -> list[type[Driver]]:
+def _drivers() -> list[type[DriverFacts]]:
     """The installed drivers; one whose package is broken is told of by ``device list``."""
-    kinds: list[type[Driver]] = []
+    kinds: list[type[DriverFacts]] = []
     for name in names():
         with suppress(InputError):
             kinds.append(find(name))

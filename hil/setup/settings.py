@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from pydantic import create_model
 
-from cosim.base.document.form import Form
 from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from hil.setup.device_form import DeviceFileForm
-
-
-class DriverSettings(Form):
-    """Base of every driver's settings; a driver without any takes this one."""
+from hil.setup.registry import find
 
 
 def form_with_settings(driver: str | None, problems: Problems) -> type[DeviceFileForm]:
     """The form of a device file for a driver, whose settings it has; an unknown one is reported."""
-    from hil.setup.registry import find  # it needs the base of all devices, which needs this
-
     if driver is None:
         return DeviceFileForm
     try:

@@ -19,7 +19,7 @@ from cosim.base.errors import InputError
 from hil.safety.conversion import VoltageDrive
 from hil.safety.linkage import Pair
 from hil.setup.device_file import Joint
-from hil.setup.settings import DriverSettings
+from hil.setup.driver_facts import DriverSettings
 
 WATCHDOG_SECONDS = 0.020
 PROOF = 5.0

@@ -19,6 +19,8 @@ from cosim.master.components.interface import Interface
 from cosim.master.components.variables import checked_variables
 
 DEVICES = "cohaptic.devices"
+HARDWARE = "cohaptic.hardware"
+"""Who makes a component of a device's URL, whichever its driver is."""
 COMPONENTS = "cohaptic.components"
 METHODS = ("read", "evaluate", "write", "step")
 
@@ -63,11 +65,9 @@ def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any])
         raise InputError(
             f"there is no device driver '{name}' for {url}.{did_you_mean(name, found)}"
         )
-    try:
-        driver: Any = found[name].load()
-    except ImportError as error:
-        raise InputError(f"the device driver '{name}' cannot be loaded: {error}") from None
-    return driver.component(url, dict(options), dict(safety))
+    for entry in registered(HARDWARE):
+        return entry.load()(url, dict(options), dict(safety))
+    raise InputError(f"no package that is installed makes components of devices such as {url}")
 
 
 def interface_of(name: str, component: Component, *, feedthrough: bool | None) -> Interface:

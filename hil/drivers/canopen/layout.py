@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from hil.drivers.canopen.protocol import LOGICAL_DEVICE, Index, Object
 
 if TYPE_CHECKING:
-    from hil.drivers.canopen.settings import ObjectForm
+    from hil.drivers.canopen.object_form import ObjectForm
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,15 +8,16 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from cosim.base.document.form import Form, QuantityIn, problem
+from cosim.base.document.form import QuantityIn, problem
 from cosim.base.errors import InputError
 from hil.drivers.canopen.layout import CanopenLayout, layout
+from hil.drivers.canopen.object_form import ObjectForm
 from hil.drivers.canopen.protocol import LAST_NODE
 from hil.safety.conversion import VoltageDrive
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
+from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
-from hil.setup.settings import DriverSettings
 from hil.wire.can_bus import CanOptions
 
 HEARTBEAT_MS, WATCHDOG_MS = 5, 20
@@ -48,41 +49,6 @@ class CanopenOptions(CanOptions):
     """Options in a CANopen device's URL."""
 
     nodes: Nodes | None = Field(default=None, description="Node numbers; they win over the file's.")
-
-
-class ObjectForm(Form):
-    """One joint's encoder or output: an object of a node."""
-
-    node: Annotated[
-        int,
-        QuantityIn(
-            unit="1",
-            what=f"node number of 1 to {LAST_NODE}",
-            least=1,
-            most=LAST_NODE,
-            whole=True,
-        ),
-    ] = Field(description="The node's number.")
-    object: (
-        Annotated[
-            int,
-            QuantityIn(
-                unit="1",
-                what="whole number from 0x6000 to 0x9fff",
-                least=0x6000,
-                most=0x9FFF,
-                whole=True,
-            ),
-        ]
-        | None
-    ) = Field(default=None, description="The object's index; the profile's first by default.")
-    channel: (
-        Annotated[
-            int,
-            QuantityIn(unit="1", what="whole number from 0 to 254", least=0, most=254, whole=True),
-        ]
-        | None
-    ) = Field(default=None, description="Its subindex; an encoder's 0, an output's 1 by default.")
 
 
 def _different(joints: list[ObjectForm] | None, name: str) -> None:

@@ -28,8 +28,8 @@ from hil.drivers.haply.protocol import (
 )
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
+from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
-from hil.setup.settings import DriverSettings
 from hil.wire.serial_port import SerialOptions, SerialPort
 
 DEVICE = 5

@@ -26,8 +26,8 @@ from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
+from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
-from hil.setup.settings import DriverSettings
 from hil.wire.can_bus import CanBus, CanOptions, open_bus
 from hil.wire.ownership import OwnedNodes
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from hil.device.contract import ZERO, Cause, State
+from hil.device.contract import ZERO, State
+from hil.device.errors import Cause
 from tests.support.hil.driver_bench import Bench, Rig
 
 PUSH = (0.01, -0.01)

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hil.device.contract import Cause, State, WriteOutcome
-from hil.device.errors import DeviceError, DeviceFault
+from hil.device.contract import State, WriteOutcome
+from hil.device.errors import Cause, DeviceError, DeviceFault
 from hil.emulation.board import BoardFrame
 from hil.safety.permission import emulated
 from hil.setup.watchdog_proof import prove_watchdog

@@ -16,9 +16,9 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
 from cosim.cli import cli
-from hil.device.contract import ZERO, Cause, State, WriteOutcome
+from hil.device.contract import ZERO, State, WriteOutcome
 from hil.device.device import Device
-from hil.device.errors import ActivationRefused, DeviceError, DeviceGone
+from hil.device.errors import ActivationRefused, Cause, DeviceError, DeviceGone
 from hil.device.warnings import warnings_of
 from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import ask, emulated

@@ -8,10 +8,11 @@ from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from cosim.base.errors import InputError
 from hil.device.alarm import Alarm
-from hil.device.contract import Cause, Flag, State, Status, Watchdog, WriteOutcome
+from hil.device.contract import Flag, State, Status, Watchdog, WriteOutcome
 from hil.device.device import Device
 from hil.device.errors import (
     ActivationRefused,
+    Cause,
     DeviceError,
     DeviceFault,
     DeviceGone,

@@ -26,7 +26,8 @@ from cosim.realtime.live import Feed, StatusWriter
 from cosim.realtime.ring import Ring
 from cosim.realtime.watcher import Watcher, find_feed
 from hil.device.component import DeviceComponent
-from hil.device.contract import Cause, State
+from hil.device.contract import State
+from hil.device.errors import Cause
 from hil.drivers.mock.driver import MockDriver
 from tests.support.hil.hil_bench import QUANSER, REST_ANGLE, Puppet, mock, rested, run
 

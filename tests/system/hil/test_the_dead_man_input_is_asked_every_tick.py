@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
 from hil.device.component import observe_rest
-from hil.device.contract import Cause, State, WriteOutcome
-from hil.device.errors import ActivationRefused
+from hil.device.contract import State, WriteOutcome
+from hil.device.errors import ActivationRefused, Cause
 from hil.safety.dead_man import EventKey, open_dead_man
 from hil.safety.permission import dead_man
 from hil.setup.session import Session

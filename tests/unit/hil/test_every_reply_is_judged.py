@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil.device.contract import Cause, Received, State
-from hil.device.errors import BoardError, NodeLost
+from hil.device.contract import Received, State
+from hil.device.errors import BoardError, Cause, NodeLost
 from hil.device.judge import DISABLED_TICKS, LONGEST_STEP, Judge
 from hil.drivers.samples import WrappingClock
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil.device.contract import Cause, Flag
+from hil.device.contract import Flag
+from hil.device.errors import Cause
 from hil.safety.layer import SafetyLayer
 from hil.safety.limits import SPEED_WINDOW_TICKS, Limits
 from hil.safety.linkage import Linkage, Region

@@ -1,0 +1,44 @@
+"""What a driver's class declares of itself, for everybody who needs no driver to know it."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from cosim.base.document.form import Form
+from hil.setup.options import UrlOptions
+
+
+class DriverSettings(Form):
+    """Base of every driver's settings; a driver without any takes this one."""
+
+
+class DriverFacts:
+    """The facts of a driver; ``hil.device.driver.Driver`` adds the calls."""
+
+    driver: ClassVar[str]
+    """Its name, as in a URL."""
+    latency_ticks: ClassVar[int] = 0
+    """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
+    native_period_ticks: ClassVar[float] = 1.0
+    """How often the device has a new sample, in control ticks."""
+    in_process: ClassVar[bool] = False
+    """Whether there is no hardware and no other process behind it (``mock``)."""
+    shares_port: ClassVar[bool] = True
+    """Whether another process can go on with its open port; with a maker's library none can."""
+    tested_on_hardware: ClassVar[bool] = False
+    has_input: ClassVar[bool] = False
+    """Whether the board tells of a switch on it, which can serve as a dead-man input."""
+    settings: ClassVar[type[DriverSettings]] = DriverSettings
+    """The form of ``settings`` in its device file."""
+    options: ClassVar[type[UrlOptions]] = UrlOptions
+    """The form of the options in its URL."""
+    emulator: ClassVar[str | None] = None
+    """``module:function`` that makes its emulated board (``hil.emulation.launch``)."""
+    preset: ClassVar[str] = "quanser"
+    """The device that a device file describes where it does not name one."""
+    takes_volts: ClassVar[bool] = False
+    """Whether it takes volts: then a drive defaults to the preset's motor and amplifier."""
+    found_on: ClassVar[str | None] = None
+    """Where ``cohaptic device find`` looks for it: ``serial``, ``can``, or nowhere."""
+    usb_ids: ClassVar[tuple[tuple[int, int], ...]] = ()
+    """Vendor and product numbers of boards that are known to be this one's."""
