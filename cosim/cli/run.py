@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @click.command("run", cls=JsonCommand)
-@click.argument("scenario")
+@click.argument("scenario", required=False)
 @click.option(
     "--with",
     "overlays",
@@ -45,18 +45,33 @@ if TYPE_CHECKING:
     type=OutputFolder(),
     help="Folder for the run; new or empty. [default: runs/<scenario>-<n>]",
 )
+@click.option(
+    "--snapshot",
+    "snapshots",
+    multiple=True,
+    metavar="TIME",
+    help="Leave the run's whole state at this time in its folder, for --from; may be repeated.",
+)
+@click.option(
+    "--from",
+    "origin",
+    metavar="RUN@TIME",
+    help="In place of SCENARIO: go on from an earlier run at this time, and compare.",
+)
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
 @miss_options
 @output_options
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
-    scenario: str,
+    scenario: str | None,
     overlays: tuple[str, ...],
     sets: tuple[str, ...],
     duration: str | None,
     out: Path | None,
     *,
+    snapshots: tuple[str, ...],
+    origin: str | None,
     figure: bool,
     realtime: bool,
     on_miss: Policy | None,
@@ -70,17 +85,29 @@ def command(
 
     Exit status: 0 good; 1 the run failed, was interrupted, or an expectation was not met;
     2 something that was given cannot be used.
+
+    With --from, the scenario is the one that the earlier run resolved, and only --duration may
+    differ. The new record is whole; it fails where both runs should have the same values and have
+    not.
     """
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.child import run_in_child
+    from cosim.cli.support.continuation import continuation, scenario_to_run
     from cosim.cli.support.devices import say
     from cosim.reading import load
     from cosim.run import run_scenario
 
     refuse_without_realtime(realtime=realtime, on_miss=on_miss, cpu=cpu)
+    written = scenario_to_run(
+        scenario,
+        origin,
+        changed=bool(overlays or sets),
+        special=bool(origin or snapshots),
+        realtime=realtime,
+    )
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load(scenario, overlays, sets)
+    loaded = load(written, overlays, sets)
     refuse_without_devices(loaded, enable_output=enable_output, yes=yes, dead_man=dead_man)
     paced = _devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime
@@ -98,7 +125,15 @@ def command(
     with _progress(loaded) if paced is None else ended(console) as progress:
         judge = DeviceJudge(realtime=realtime)
         finished = (
-            run_in_child(loaded, out, progress=progress, figure=figure, judge=judge, say=say)
+            run_in_child(
+                loaded,
+                out,
+                progress=progress,
+                execute=continuation(say, origin, snapshots),
+                figure=figure,
+                judge=judge,
+                say=say,
+            )
             if paced is None
             else run_scenario(
                 loaded,

@@ -28,7 +28,7 @@ from cosim.record.manifest import conclude, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, open_run
 from cosim.report.expectation import parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
-from cosim.run import Finished, run_scenario
+from cosim.run import Execute, Finished, run_scenario
 from cosim.scenario import Scenario
 
 _HEARD = {signal.SIGINT, signal.SIGTERM}
@@ -46,6 +46,7 @@ def run_in_child(
     figure: bool,
     judge: Judge,
     say: Callable[[str], None],
+    execute: Execute | None = None,
 ) -> Finished:
     """``run_scenario`` in a process of its own, with the same result and the same errors.
 
@@ -57,7 +58,9 @@ def run_in_child(
         KeyboardInterrupt: Ctrl-C before there was anything to keep.
     """
     if not hasattr(os, "fork") or not hasattr(signal, "sigtimedwait"):
-        return run_scenario(scenario, out, progress=progress, figure=figure, judge=judge, say=say)
+        return run_scenario(
+            scenario, out, progress=progress, execute=execute, figure=figure, judge=judge, say=say
+        )
     whereabouts = Whereabouts()
     ear, mouth = os.pipe()
     for stream in (sys.stdout, sys.stderr):
@@ -77,6 +80,7 @@ def run_in_child(
                     scenario,
                     out,
                     progress=teller.progress if progress is not None else None,
+                    execute=execute,
                     figure=figure,
                     judge=judge,
                     say=say,

@@ -92,6 +92,34 @@ def test_everything_is_put_back(tmp_path: Path) -> None:
     goes_on(tmp_path, WRITTEN)
 
 
+def test_after_fates_were_drawn_anew(tmp_path: Path) -> None:
+    """The table of fates has moved on from the packets that it began with."""
+    lan = {
+        "between": ["a", "b"],
+        "rate": 1024,
+        "round_trip_delay": 6,
+        "jitter": "4 ms",
+        "loss": 0.3,
+    }
+    written = {**WRITTEN, "duration": 6.0, "channels": {"lan": lan}}
+    ends = []
+    with simulation_of(tmp_path, written) as simulation:
+        simulation.start()
+        simulation.advance(3000)
+        snapshot = simulation.snapshot()
+        simulation.advance(5500)
+        ends.append(simulation.program.cells.copy())
+    with simulation_of(tmp_path, written) as simulation:
+        simulation.restore(snapshot)
+        simulation.start()
+        for tick in range(3000, 3100):
+            simulation.advance(tick)
+        simulation.advance(5500)
+        ends.append(simulation.program.cells.copy())
+    np.testing.assert_array_equal(*ends)
+    assert snapshot.values["bundles"][0]["fate_first"] > 0
+
+
 def test_a_python_component_offers_save_and_load(tmp_path: Path) -> None:
     goes_on(tmp_path, with_part("Saved"))
 
