@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from cosim.base.system.installed import registered
+
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
@@ -17,9 +19,10 @@ if TYPE_CHECKING:
 
 
 def _safety() -> type[BaseModel]:
-    from hil.safety.form import SafetyForm
-
-    return SafetyForm
+    """Registered by the package that has the safety layer, as devices are."""
+    (entry,) = registered("cohaptic.sections")
+    form: type[BaseModel] = entry.load()
+    return form
 
 
 def _realtime() -> type[BaseModel]:

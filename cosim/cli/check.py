@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.effect import given_of
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
@@ -35,6 +37,12 @@ def command(
 ) -> None:
     """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
     if schema:
+        given = {"SCENARIO": scenario, "--with": overlays, "--set": sets, "--resolved": resolved}
+        if named := given_of(given):
+            raise InputError(
+                f"{' and '.join(named)} beside --schema: the schema is the same for every "
+                "scenario; leave out one or the other."
+            )
         from cosim.reading import FORMS
         from cosim.scenario.form.document import json_schema
 

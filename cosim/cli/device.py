@@ -11,6 +11,7 @@ import click
 
 from cosim.cli.device_emulate import emulate_device
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import Number, OutputFile, seconds
 
 if TYPE_CHECKING:
@@ -104,6 +105,8 @@ def check_device(
     from hil.setup.look import check
     from hil.setup.watchdog_proof import prove_watchdog
 
+    if not enable_output:
+        refuse_without("--enable-output", {"--yes": yes}, "there is nothing to confirm")
     if enable_output and file is None:
         raise InputError("--enable-output notes the proof in the device file: give --file FILE")
     with _opened(url, file) as device:

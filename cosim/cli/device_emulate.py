@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import OutputFile
 
 if TYPE_CHECKING:
@@ -30,9 +31,7 @@ if TYPE_CHECKING:
 @click.option(
     "--after",
     type=click.IntRange(0, 2**31),
-    default=0,
-    show_default=True,
-    help="Ticks until the fault begins.",
+    help="Ticks until the fault begins.  [default: 0]",
 )
 def emulate_device(
     name: str,
@@ -43,7 +42,7 @@ def emulate_device(
     link: str,
     output: Path | None,
     fault: str | None,
-    after: int,
+    after: int | None,
     firmware: bool,
     lockstep: bool,
 ) -> None:
@@ -55,6 +54,12 @@ def emulate_device(
 
     from hil.emulation.launch import Emulator, Order
 
+    if scenario is None:
+        refuse_without(
+            "--scenario", {"--with": overlays, "--component": component}, "there is nothing to take"
+        )
+    if fault is None:
+        refuse_without("--fault", {"--after": after}, "nothing begins then")
     pantograph, operator = _from_scenario(scenario, overlays, component)
     with ExitStack() as stack:
         order = Order(
@@ -68,7 +73,7 @@ def emulate_device(
         )
         emulator = stack.enter_context(Emulator(order))
         if fault is not None:
-            emulator.control.ask("fault", kind=fault, start=after)
+            emulator.control.ask("fault", kind=fault, start=after or 0)
         if output is not None:
             _write_emulated_file(output, name, pantograph, emulator.home)
         click.echo(json.dumps({"url": emulator.url, "home": emulator.home}))
@@ -114,9 +119,15 @@ def _from_scenario(
     from cosim.base.errors import InputError
     from cosim.reading import load
 
-    if scenario is None or component is None:
+    if scenario is None:
         return {"initial_tip_position": (0.0425, 0.2)}, None
     loaded = load(scenario, overlays)
+    if component is None:
+        found = [name for name, each in loaded.components.items() if each.source == "pantograph"]
+        raise InputError(
+            f"--scenario {scenario}: say which of its components the device is, with "
+            f"--component {found[0] if found else 'NAME'}."
+        )
     if component not in loaded.components:
         raise InputError(f"{scenario} has no component '{component}'")
     movers = [

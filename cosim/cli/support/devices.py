@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.support.effect import given_of, refuse_without
 
 if TYPE_CHECKING:
     from cosim.scenario import Scenario
@@ -85,19 +86,15 @@ def refuse_without_devices(
         part.kind == "device" and station in (None, part.station)
         for part in scenario.components.values()
     )
-    given = {"--enable-output": enable_output, "--yes": yes, "--dead-man": dead_man is not None}
-    named = [name for name, is_given in given.items() if is_given]
-    if named and not has_devices:
+    given = {"--enable-output": enable_output, "--yes": yes, "--dead-man": dead_man}
+    if (named := given_of(given)) and not has_devices:
         where = f"the station {station}" if station is not None else scenario.name
         raise InputError(
             f"{' and '.join(named)}: {where} has no device; lay one over it with --with "
             f"devices/mock, or leave {'it' if len(named) == 1 else 'them'} out."
         )
-    if named and not enable_output:
-        raise InputError(
-            f"{' and '.join(named)} without --enable-output: no force comes out that "
-            "it could allow; add --enable-output, or leave it out."
-        )
+    if not enable_output:
+        refuse_without("--enable-output", given, "no force comes out that it could allow")
 
 
 def say(sentence: str) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.support.effect import refuse_without
 
 if TYPE_CHECKING:
     from cosim.scenario import Scenario
@@ -40,12 +41,11 @@ def refuse_without_realtime(*, realtime: bool, on_miss: Policy | None, cpu: int 
     Raises:
         InputError: one was given to a run that keeps no pace.
     """
-    given = {"--on-miss": on_miss, "--cpu": cpu}
-    named = [name for name, value in given.items() if value is not None]
-    if named and not realtime:
-        raise InputError(
-            f"{' and '.join(named)} without --realtime: nothing keeps pace with the clock; add "
-            f"--realtime, or leave {'it' if len(named) == 1 else 'them'} out."
+    if not realtime:
+        refuse_without(
+            "--realtime",
+            {"--on-miss": on_miss, "--cpu": cpu},
+            "nothing keeps pace with the clock",
         )
 
 

@@ -61,7 +61,7 @@ def put_together(
     clock = Clock(scenario.base_rate)
     participants = read_participants(scenario, clock, problems, instances, kinds)
     scenario = with_files(scenario, participants)
-    follow_rates(scenario, participants, problems)
+    of_rates = follow_rates(scenario, participants, problems)
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
@@ -93,6 +93,7 @@ def put_together(
             lagging=tuple(planner.lagging()),
             notes=(
                 *wiring.notes,
+                *of_rates,
                 *differing_copies(scenario, participants),
                 *broken_rules(participants),
             ),

@@ -2,7 +2,8 @@
 
 A component that wants to know its own period, or how many of them a network period has, says so
 with the meaning of a parameter. With several channels the fastest that it sends through counts;
-where a network period is no whole number of its own, the next lower number does.
+where a network period is no whole number of its own, the next lower number does, and a note says
+so.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from cosim.scenario import Scenario
 
 def follow_rates(
     scenario: Scenario, participants: Mapping[str, Participant], problems: Problems
-) -> None:
-    """Give every participant the parameters that follow from the rates."""
+) -> list[str]:
+    """Give every participant the parameters that follow from the rates; returns notes."""
+    notes: list[str] = []
     for name, participant in participants.items():
         own = Fraction(participant.period, participant.substeps)
         for variable in participant.interface.variables.values():
@@ -40,6 +42,11 @@ def follow_rates(
                     rate = float(scenario.base_rate / network)
                     why = f"{name} sends at {rate:g} Hz and runs at "
                     why += f"{float(scenario.base_rate / own):g} Hz"
+                    if network % own:
+                        notes.append(
+                            f"{why}: {float(network / own):g} of its periods to a packet, of which "
+                            f"{name}.{variable.name} counts {value}"
+                        )
                 case _:
                     continue
             given = participant.parameters.get(variable.name)
@@ -52,6 +59,7 @@ def follow_rates(
                         f"{name}.{variable.name} is {given[0]:.10g}, but {why}, so it is "
                         f"{value:.10g}. Leave it out: it follows from the rates"
                     )
+    return notes
 
 
 def _network_period(scenario: Scenario, component: str) -> int | None:

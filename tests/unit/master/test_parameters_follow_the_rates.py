@@ -94,3 +94,13 @@ def test_what_agrees_with_the_rates_may_be_said() -> None:
     sets = ("components.vr_a.parameters.network_ticks=8",)
     told = put_together(load("two_users_box", (), sets)).participants["vr_a"].parameters
     assert told["network_ticks"] == [8]
+
+
+@pytest.mark.parametrize(("network", "noted"), [(128, False), (100, True)])
+def test_a_network_period_that_is_no_whole_number_of_ticks_is_noted(
+    network: int, noted: bool
+) -> None:
+    sets = (f"rates.network={network}", "base_rate=25600")
+    notes = put_together(load("two_users_box", (), sets)).notes
+    said = "vr_a sends at 100 Hz and runs at 1024 Hz: 10.24 of its periods to a packet"
+    assert any(said in note for note in notes) is noted
