@@ -35,7 +35,8 @@ def measure(scenario: str, since: float) -> dict[str, float]:
     collect_seldom()  # as the command does
     from cosim.analysis import load_tuned
     from cosim.master.run.simulation import assemble
-    from cosim.session import RUN_FILE, Recorder
+    from cosim.record.reader import RUN_FILE
+    from cosim.record.writer import Recorder
 
     lap("imports")
     loaded = load_tuned(scenario)

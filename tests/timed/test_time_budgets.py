@@ -1,0 +1,65 @@
+"""What the project promises about time, measured by its own benches.
+
+A limit is missed only where the machine kept time beside it, three times.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.machine import timed
+
+BENCH = Path(__file__).parents[2] / "bench"
+STALL = 0.02
+"""Lateness (s) of the probe from which an attempt says nothing."""
+
+
+def figure(pattern: str, bench: str, *arguments: str) -> float:
+    """The number that ``pattern`` finds in what a bench prints."""
+    command = [sys.executable, str(BENCH / bench), *arguments]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    found = re.search(pattern, said)
+    assert found is not None, said
+    return float(found[1])
+
+
+@pytest.mark.parametrize(
+    ("what", "limit", "pattern", "command"),
+    [
+        (
+            "ms to the first tick of two_users_box, the least of five",
+            450,
+            r"total +([\d.]+)",
+            ("start_up.py", "two_users_box", "--processes", "5"),
+        ),
+        (
+            "s to load, assemble and start a ring of 4,096",
+            4.0,
+            r"4096.*s +([\d.]+)s +[\d.]* *\d+\n",
+            ("assembly.py", "--sizes", "4096", "--rounds", "2"),
+        ),
+        (
+            "times the bare C loop, nothing recorded",
+            1.06,
+            r"median ratio, recording off: ([\d.]+)",
+            ("kernel.py", "two_users_box"),
+        ),
+        (
+            "times the bare C loop with a binary log, everything recorded",
+            1.4,
+            r"median ratio, recording on: ([\d.]+)",
+            ("kernel.py", "two_users_box"),
+        ),
+    ],
+)
+def test_a_budget_is_kept(what: str, limit: float, pattern: str, command: tuple[str, ...]) -> None:
+    def attempt(_: int) -> str | float:
+        found = figure(pattern, *command)
+        return found if found <= limit else f"{found:g} {what}, more than {limit:g}"
+
+    print(timed(attempt, tolerates=STALL), what)
