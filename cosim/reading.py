@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from cosim.base.errors import InputError
 from cosim.base.system.installed import registered
 
 if TYPE_CHECKING:
@@ -20,9 +21,14 @@ if TYPE_CHECKING:
 
 def _safety() -> type[BaseModel]:
     """Registered by the package that has the safety layer, as devices are."""
-    (entry,) = registered("cohaptic.sections")
-    form: type[BaseModel] = entry.load()
-    return form
+    for entry in registered("cohaptic.sections"):
+        if entry.name == "safety":
+            form: type[BaseModel] = entry.load()
+            return form
+    raise InputError(
+        "the installed cohaptic does not say what may stand in 'safety:'; its files are newer than "
+        "its installation: install it again, such as with uv sync."
+    )
 
 
 def _realtime() -> type[BaseModel]:
