@@ -16,7 +16,7 @@ from cosim.base.system.supervised import Supervised
 from cosim.master.run.simulation import Simulation
 from cosim.realtime.deadlines import Deadlines
 from cosim.realtime.live import STATUS_TICKS, Feed, StatusWriter
-from cosim.realtime.messages import Begun, LoopReport, Message
+from cosim.realtime.messages import Begun, LoopReport, Message, Over
 from cosim.realtime.paced_loop import paced
 from cosim.realtime.pacing import Pacer
 from cosim.realtime.relay import RelaySink
@@ -82,10 +82,15 @@ class ControlLoop:
         watched = _Watched(self, told)
         status = 0
         try:
-            report.outcome = self._simulation.run(RelaySink(rings), drive=paced(watched))
+            report.outcome = self._simulation.run(
+                RelaySink(rings), drive=paced(watched), keep_fmus=True
+            )
         except CohapticError as error:
             status = error.exit_status
             report.error = (status, str(error))
+            report.outcome = self._simulation.outcome
+        except SystemExit as stop:
+            status, report.left = 1, str(stop.code)
             report.outcome = self._simulation.outcome
         finally:
             self._pulse.state(FINISHED)
@@ -93,6 +98,8 @@ class ControlLoop:
         report.deadlines = {**self._pacer.summary(), **watched.usage.summary()}
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
+        self._simulation.close()  # an FMU that dies of it finds everything told
+        self._tell(Over())
         return status
 
     def make_ready(self) -> None:

@@ -25,9 +25,16 @@ class LoopReport:
     outcome: Outcome | None = None
     error: tuple[int, str] | None = None
     """Exit status and sentence of what ended it."""
+    left: str | None = None
+    """What a Python component gave to ``sys.exit``, where one did."""
     deadlines: dict[str, Any] = field(default_factory=dict[str, Any])
     grants: list[Grant] = field(default_factory=list[Grant])
     facts: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Over:
+    """All components are closed as well: the loop's process now ends by itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,11 +45,13 @@ class Ending:
     """The loop's exit status; minus the signal's number where a signal killed it."""
     reason: str
     """Empty for a loop that ended by itself with status 0."""
+    killed: bool = False
+    """Whether the supervisor killed it."""
     seconds: float
     """From noticing the end to the last confirmation (s)."""
 
 
-Message = Begun | LoopReport | Ending | Grant
+Message = Begun | LoopReport | Over | Ending | Grant
 
 
 def say(pipe: int, message: Message) -> None:

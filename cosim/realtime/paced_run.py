@@ -19,11 +19,12 @@ from cosim.base.recording import Sink
 from cosim.base.system.grants import Grant
 from cosim.base.system.pulse import Pulse, Who
 from cosim.base.system.supervised import Opening, Opens, Supervised
+from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer
 from cosim.realtime.live import Feed
-from cosim.realtime.messages import Begun, Ending, LoopReport, Message, say
+from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
 from cosim.realtime.relay import RelayPump, make_rings
 from cosim.realtime.ring import Ring
 from cosim.realtime.signals import Ear, blocked, heard_by
@@ -58,6 +59,10 @@ class PacedRun:
     """Those that are open in this process, by component."""
     _reached: int = 0
     """Ticks whose rows have come."""
+    _has_begun: bool = False
+    """Whether the first tick was due: from there on there is a record."""
+    _is_over: bool = False
+    """Whether the loop has closed its components and then ended by itself."""
 
     def __call__(self, simulation: Simulation, recorder: Sink, progress: Progress | None) -> None:
         """Run to the scenario's end.
@@ -120,7 +125,11 @@ class PacedRun:
                 self.say(message.sentence)
         elif isinstance(message, LoopReport):
             self.report = message
-        elif isinstance(message, Ending):
+        elif isinstance(message, Begun):
+            self._has_begun = True
+        elif isinstance(message, Over):
+            self._is_over = True
+        else:
             self.ending = message
 
     def reach(self, tick: int) -> int:
@@ -135,13 +144,7 @@ class PacedRun:
         else:
             simulation.outcome = replace(simulation.outcome, ticks=self._reached)
         error = report.error if report is not None else None
-        sentences = [error[1]] if error is not None else []
-        if error is None and killed is not None:
-            sentences.append(killed)
-        elif error is None and self.ending is None:
-            sentences.append("supervisor and control loop died")
-        elif error is None and self.ending is not None and self.ending.reason:
-            sentences.append(self.ending.reason)
+        sentences = [error[1]] if error is not None else self._ended(simulation, killed)
         unsure = run.unsure()
         if self.lost_rows:
             self.say(f"the recorder was too slow for {self.lost_rows} rows: they are held values")
@@ -151,6 +154,28 @@ class PacedRun:
         if error is not None and error[0] == 2 and not unsure:
             raise InputError(text)
         raise RunError(text)
+
+    def _ended(self, simulation: Simulation, killed: str | None) -> list[str]:
+        """What has to be said of processes that ended; nothing where the loop came to its end."""
+        if killed is not None:
+            return [killed]
+        ending = self.ending
+        if ending is None:
+            return ["supervisor and control loop died"]
+        if ending.killed:
+            component, doing = simulation.whereabouts.sentence(simulation.scenario)
+            return (
+                [f"{ending.reason} while {component} was at work {doing}"]
+                if component
+                else [ending.reason]
+            )
+        left = self.report.left if self.report is not None else None
+        if self._is_over and left is None:
+            return [ending.reason] if ending.reason else []
+        sentence = obituary(ending.status, simulation.whereabouts, simulation.scenario, left)
+        is_whole = self.report is not None and left is None
+        kept = COMPLETE if is_whole else KEPT if self._has_begun else NOTHING
+        return [f"{sentence}; {kept}"]
 
 
 class _Run:

@@ -60,7 +60,9 @@ def supervise(
     if real_time and devices:
         freeze_garbage()
         real_time_priority(SUPERVISOR_PRIORITY)
-    status, reason = _Watch(process, pulse, command, stall if devices else None).to_the_end()
+    status, reason, killed = _Watch(
+        process, pulse, command, stall if devices else None
+    ).to_the_end()
     begun = time.monotonic()
     torn = pulse.torn()
     for number, device in devices:
@@ -68,7 +70,7 @@ def supervise(
     seconds = time.monotonic() - begun
     for _, device in devices:
         device.release()
-    return Ending(status=status, reason=reason, seconds=seconds)
+    return Ending(status=status, reason=reason, seconds=seconds, killed=killed)
 
 
 def _run_loop(loop: Callable[[], int], pulse: Pulse) -> None:
@@ -104,8 +106,8 @@ class _Watch:
         self._command_since = self._since = 0.0
         self._ending: float | None = None
 
-    def to_the_end(self) -> tuple[int, str]:
-        """(the loop's status, what happened)."""
+    def to_the_end(self) -> tuple[int, str, bool]:
+        """(the loop's status, what happened, whether it was killed here)."""
         pulse, last = self._pulse, time.monotonic()
         self._heard, self._since, self._command_since = pulse.counter, last, last
         while True:
@@ -119,10 +121,10 @@ class _Watch:
                 pulse.ask_to_stop()
             found, wait_status = os.waitpid(self._process, os.WNOHANG)
             if found:
-                return _ended(wait_status)
+                return *_ended(wait_status), False
             reason = self._reason_to_kill(now)
             if reason:
-                return _kill(self._process, reason)
+                return *_kill(self._process, reason), True
             time.sleep(EASY_POLL_SECONDS if self._stall is None else POLL_SECONDS)
 
     def _is_time_to_end(self, now: float) -> bool:

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import CohapticError, RunError
+from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.simulation import Progress
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge
@@ -238,26 +239,11 @@ def _judge(told: _Told, status: int, whereabouts: Whereabouts, scenario: Scenari
         raise RuntimeError(f"in the run's process:\n{content['bug']}")
     if "over" in content and status == 0:
         return content["finished"]
-    sentence = _obituary(status, whereabouts, scenario, content.get("left"))
+    sentence = obituary(status, whereabouts, scenario, content.get("left"))
     if "begun" not in content:
-        raise RunError(f"{sentence}; nothing was recorded.")
-    kept = "the record is complete" if "finished" in content else "what was written before is kept"
+        raise RunError(f"{sentence}; {NOTHING}.")
+    kept = COMPLETE if "finished" in content else KEPT
     return _finish_for(content["begun"], scenario, f"{sentence}; {kept}.", whereabouts.kernel.tick)
-
-
-def _obituary(status: int, whereabouts: Whereabouts, scenario: Scenario, left: str | None) -> str:
-    """Who ended the run's process, how, in what and when."""
-    component, doing = whereabouts.sentence(scenario)
-    if left is not None:
-        return f"{component or 'the run'} left the process (SystemExit: {left}) {doing}"
-    if status < 0:
-        name = signal.Signals(-status).name
-        said = (signal.strsignal(-status) or "").lower()
-        if -status == signal.SIGKILL:
-            at = f"{component} was at work {doing}" if component else doing
-            return f"the run's process was killed from outside ({name}) while {at}"
-        return f"{component or 'the run'} crashed ({name}: {said}) {doing}"
-    return f"{component or 'the run'} ended the process (exit status {status}) {doing}"
 
 
 def _finish_for(folder: Path, scenario: Scenario, message: str, ticks: int) -> Finished:

@@ -136,6 +136,11 @@ class Simulation:
         return self.assembly.scenario
 
     @property
+    def whereabouts(self) -> Whereabouts:
+        """What it is doing, to be read from a process that it was forked from, too."""
+        return self._whereabouts
+
+    @property
     def groups(self) -> tuple[RecordGroup, ...]:
         """What will be recorded."""
         return self.assembly.groups

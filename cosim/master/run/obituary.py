@@ -1,0 +1,37 @@
+"""The sentence about a run whose process has ended before the run was over."""
+
+from __future__ import annotations
+
+import signal
+
+from cosim.master.run.whereabouts import Whereabouts
+from cosim.scenario import Scenario
+
+KEPT = "what was written before is kept"
+COMPLETE = "the record is complete"
+NOTHING = "nothing was recorded"
+
+
+def obituary(
+    status: int, whereabouts: Whereabouts, scenario: Scenario, left: str | None = None
+) -> str:
+    """Who ended the run's process, how, in what and when; without a full stop.
+
+    ``status`` is the process's, negative after a signal; ``left`` what a Python component gave to
+    ``sys.exit``, where one did.
+    """
+    component, doing = whereabouts.sentence(scenario)
+    if left is not None:
+        return f"{component or 'the run'} left the process (SystemExit: {left}) {doing}"
+    if -status == signal.SIGKILL:
+        at = f"{component} was at work {doing}" if component else doing
+        return f"the run's process was killed from outside (SIGKILL) while {at}"
+    return f"{component or 'the run'} {manner(status)} {doing}"
+
+
+def manner(status: int) -> str:
+    """How a process ended that had no reason to: by a signal, or with an exit status."""
+    if status < 0:
+        said = (signal.strsignal(-status) or "").lower()
+        return f"crashed ({signal.Signals(-status).name}: {said})"
+    return f"ended the process (exit status {status})"
