@@ -193,7 +193,7 @@ def probe_command(
 def _search(probe: Probe, size: int, rate: float, highest: float) -> dict[str, Any]:
     from dataclasses import asdict
 
-    from cosim.link.netchar.probe import NetworkMeasurement
+    from cosim.link.netchar.measurement import NetworkMeasurement
     from cosim.link.netchar.search import search_rate
 
     def run(tried: float) -> NetworkMeasurement:
@@ -247,6 +247,8 @@ def _table(found: Characteristics, facts: dict[str, Any]) -> str:
         lines.append(
             ("Kept back by the relay", f"{found.capped} packets beyond its --max-rate, not lost")
         )
+    if found.late:
+        lines.append(("Came too late", f"{found.late} packets, given up before; not lost"))
     if found.late_replies:
         lines.append(("Late replies", f"{found.late_replies}, to an earlier measurement's packets"))
     if found.late_sends:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.link.netchar.probe import NetworkMeasurement
+from cosim.link.netchar.measurement import RETURNED, SENT, NetworkMeasurement
 from cosim.link.netchar.statistics import Characteristics
 
 
@@ -22,9 +22,10 @@ def draw(measurement: NetworkMeasurement, found: Characteristics, path: Path) ->
         figure.add_subplot(grid[1, 0]),
         figure.add_subplot(grid[1, 1]),
     )
-    came = measurement.returned > 0
-    seconds = (measurement.sent - measurement.sent[0]) * 1e-9
-    trips = (measurement.returned - measurement.sent) * 1e-6
+    columns = measurement.kept.columns
+    came = columns[RETURNED] > 0
+    seconds = (columns[SENT] - measurement.first_sent) * 1e-9
+    trips = (columns[RETURNED] - columns[SENT]) * 1e-6
     # A long measurement is drawn as the envelope of a few thousand bins.
     step = max(1, int(came.sum()) // 4000)
     times, values = seconds[came][::step], trips[came]

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import select
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-
-import numpy as np
-from numpy.typing import NDArray
 
 from cosim.base.errors import InputError, RunError
+from cosim.link.netchar.measurement import WINDOW, NetworkMeasurement, Reply
 from cosim.link.netchar.relay import (
     CLIENT,
     CONTRACT,
@@ -19,56 +17,17 @@ from cosim.link.netchar.relay import (
     LARGEST,
     OVERHEAD,
     PROBE,
+    READS_AT_ONCE,
     SERVER,
     SMALLEST,
 )
 from cosim.link.session.asker import Asker
-from cosim.link.session.keys import PreSharedKey
+from cosim.link.session.keys import PreSharedKey, SessionKeys
 from cosim.link.wire.packet import HEADER, Opener, PacketKind, Sealer
 from cosim.link.wire.transport import LARGEST_READ, UdpTransport
 
-Times = NDArray[np.int64]
-
-
-def _times(count: int) -> Times:
-    return np.zeros(count, dtype=np.int64)
-
-
-@dataclass(slots=True)
-class NetworkMeasurement:
-    """What happened to each of ``count`` packets; times in ns, 0 where a packet did not return.
-
-    ``sent`` and ``returned`` are of this side's clock, ``received`` and ``relayed`` of the other's,
-    all of shape (count,). ``order`` holds the packet numbers in the order of their return.
-    """
-
-    rate: float
-    size: int
-    sent: Times
-    returned: Times
-    received: Times
-    relayed: Times
-    order: list[int] = field(default_factory=list[int])
-    duplicates: int = 0
-    forged: int = 0
-    relay_first: tuple[int, int] | None = None
-    """Of the first packet that came back: its number, and how many the other side had received."""
-    relay_last: tuple[int, int] = (0, 0)
-    """The same of the one with the highest count."""
-    began: int = 0
-    """Own time before the first packet."""
-    late_replies: int = 0
-    """Replies to an earlier measurement's packets: late, and not lost."""
-    capped: int = 0
-    """Packets that came to the other side and were not relayed because of its caps."""
-    capped_before: int = 0
-    late_sends: int = 0
-    """Packets sent more than half a period after their time."""
-
-    @property
-    def count(self) -> int:
-        """Packets sent."""
-        return len(self.sent)
+LATEST = 1 << 62
+"""No clock is so far on (ns): what a packet says is not believed because it is sealed."""
 
 
 class Probe:
@@ -82,7 +41,6 @@ class Probe:
         self._plain = memoryview(bytearray(LARGEST))
         self._sealer: Sealer | None = None
         self._opener: Opener | None = None
-        self._sent = 0
         self._capped = 0
         """Packets of the session that the relay has said its caps kept back."""
 
@@ -110,7 +68,10 @@ class Probe:
                 outcome = asker.receive(bytes(self._buffer[:size]), self._transport.arrival(), now)
                 if outcome.answer is not None:
                     self._transport.send(outcome.answer)
-        keys = asker.current.keys
+        self.converse(asker.current.keys)
+
+    def converse(self, keys: SessionKeys) -> None:
+        """Measure under the keys of a session with the relay."""
         self._sealer = Sealer(keys.outgoing, keys.session)
         self._opener = Opener(keys.incoming, keys.session)
 
@@ -147,63 +108,53 @@ class Probe:
         """
         count = check_measurement(rate, duration, size)
         assert self._sealer is not None
-        self._forget_old()
-        first = self._sent
-        result = NetworkMeasurement(
-            rate, size, _times(count), _times(count), _times(count), _times(count)
-        )
+        self._transport.discard()
+        window = max(WINDOW, math.ceil(rate * wait))
+        result = NetworkMeasurement(rate, size, window=window, began=time.monotonic_ns())
         datagram = memoryview(bytearray(size))
         plain = memoryview(bytearray(size - OVERHEAD))
-        result.began = time.monotonic_ns()
-        result.capped_before = self._capped
         period = 1e9 / rate
         start = time.monotonic_ns() + 2_000_000
-        sent, next_progress = 0, start
-        while sent < count and not stop():
-            due = start + round(sent * period)
+        next_progress = start
+        while result.count < count and not stop():
+            due = start + round(result.count * period)
             now = time.monotonic_ns()
             if now < due:
-                self._collect(result, first, due)
+                self._collect(result, due)
                 continue
             result.late_sends += now - due > period / 2
             PROBE.pack_into(plain, 0, now)
             self._sealer.seal(PacketKind.PROBE, 0, plain, datagram)
-            result.sent[sent] = now
+            result.sent(now)
             self._transport.send(datagram)
-            sent += 1
-            self._sent += 1
-            if now >= next_progress:
+            self._collect(result, now)
+            if progress is not None and now >= next_progress:
                 next_progress = now + 250_000_000
-                self._collect(result, first, now)
-                if progress is not None:
-                    progress(sent, len(result.order), count)
+                progress(result.count, result.returned, count)
         end = time.monotonic_ns() + round(wait * 1e9)
-        while len(result.order) < sent and time.monotonic_ns() < end and not stop():
-            self._collect(result, first, min(end, time.monotonic_ns() + 50_000_000))
+        while result.returned < result.count and time.monotonic_ns() < end and not stop():
+            self._collect(result, min(end, time.monotonic_ns() + 50_000_000))
         if progress is not None:
-            progress(sent, len(result.order), count)
-        self._capped = result.capped_before + result.capped
-        for name in ("sent", "returned", "received", "relayed"):
-            setattr(result, name, getattr(result, name)[:sent])
+            progress(result.count, result.returned, count)
+        self._capped += result.capped
+        result.end()
         return result
 
-    def _forget_old(self) -> None:
-        while self._transport.discard():
-            pass
-
-    def _collect(self, result: NetworkMeasurement, first: int, until: int) -> None:
-        """Take what comes until ``until`` (ns); at least what is there."""
+    def _collect(self, result: NetworkMeasurement, until: int) -> None:
+        """Take what comes until ``until`` (ns); at least what is there, in bounded pieces."""
         while True:
-            size = self._transport.receive(self._buffer)
-            if size >= 0:
-                self._take(self._buffer[:size], result, first)
-                continue
+            # Whoever sends without end must not keep the sender from its clock.
+            for _ in range(READS_AT_ONCE):
+                size = self._transport.receive(self._buffer)
+                if size < 0:
+                    break
+                self._take(self._buffer[:size], result)
             left = until - time.monotonic_ns()
             # The last stretch is left to the sender's own look at the clock.
             if left <= 100_000 or not select.select([self._link], [], [], left * 1e-9 - 5e-5)[0]:
                 return
 
-    def _take(self, datagram: memoryview, result: NetworkMeasurement, first: int) -> None:
+    def _take(self, datagram: memoryview, result: NetworkMeasurement) -> None:
         assert self._opener is not None
         size = len(datagram)
         if size >= HEADER.size and PacketKind.HELLO <= datagram[3] <= PacketKind.KEEP:
@@ -220,26 +171,12 @@ class Probe:
             return
         arrived = self._transport.arrival()
         sent, received, relayed, relay_count, capped = ECHO.unpack_from(plain)
-        if sent < result.began:
-            result.late_replies += 1
-            return
-        # Which packet this answers is told by its time, which no two packets share.
-        number = int(np.searchsorted(result.sent[: self._sent - first], np.int64(sent)))
-        result.capped = max(result.capped, capped - result.capped_before)
-        if number >= self._sent - first or result.sent[number] != sent:
+        if not -LATEST < received <= relayed < LATEST:
             result.forged += 1
             return
-        if result.returned[number]:
-            result.duplicates += 1
-            return
-        result.returned[number] = arrived
-        result.received[number] = received
-        result.relayed[number] = relayed
-        result.order.append(number)
-        if result.relay_first is None:
-            result.relay_first = (number, relay_count)
-        if relay_count >= result.relay_last[1]:
-            result.relay_last = (number, relay_count)
+        reply = result.reply(sent, received, relayed, arrived, relay_count)
+        if reply not in {Reply.EARLIER, Reply.UNKNOWN}:
+            result.capped = max(result.capped, capped - self._capped)
 
 
 def check_measurement(rate: float, duration: float, size: int) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.link.netchar.probe import NetworkMeasurement
+from cosim.link.netchar.measurement import RETURNED, SENT, NetworkMeasurement
 
 Run = Callable[[float], NetworkMeasurement]
 
@@ -67,10 +67,9 @@ def search_rate(
 
 
 def _judge(rate: float, measurement: NetworkMeasurement, loss: float) -> tuple[Trial, str]:
-    came = measurement.returned > 0
-    span = float(measurement.sent[-1] - measurement.sent[0]) * 1e-9
+    span = (measurement.last_sent - measurement.first_sent) * 1e-9
     sent_rate = (measurement.count - 1) / span if span > 0.0 else rate
-    lost = 1.0 - float(came.mean()) - measurement.capped / measurement.count
+    lost = (measurement.lost - measurement.capped) / max(1, measurement.count)
     why = ""
     if sent_rate < 0.95 * rate:
         why = f"this computer sent {sent_rate:.0f} of {rate:.0f} packets a second"
@@ -78,8 +77,10 @@ def _judge(rate: float, measurement: NetworkMeasurement, loss: float) -> tuple[T
         why = f"the relay's own cap (--max-rate) is below {rate:.0f} packets a second"
     elif lost > loss:
         why = f"{100.0 * lost:.2g} % were lost at {rate:.0f} packets a second"
-    elif came.sum() >= 20:
-        trips = (measurement.returned[came] - measurement.sent[came]).astype(np.float64)
+    elif measurement.returned >= 20:
+        columns = measurement.kept.columns
+        columns = columns[:, columns[RETURNED] > 0]
+        trips = (columns[RETURNED] - columns[SENT]).astype(np.float64)
         half = len(trips) // 2
         first, second = float(np.median(trips[:half])), float(np.median(trips[half:]))
         if second > 1.5 * first + 1e6:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.link.netchar.probe import NetworkMeasurement
+from cosim.link.netchar.bursts import BurstyLoss, fit_bursts
+from cosim.link.netchar.measurement import (
+    RECEIVED,
+    RELAYED,
+    RETURNED,
+    SENT,
+    NetworkMeasurement,
+    Times,
+)
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9)
 Floats = NDArray[np.float64]
@@ -38,15 +46,6 @@ class Distribution:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BurstyLoss:
-    """A Gilbert–Elliott channel: probabilities per packet, good state without loss."""
-
-    good_to_bad: float
-    bad_to_good: float
-    loss_bad: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Loss:
     """Packets that never came back; ``forward`` were lost on the way there."""
 
@@ -67,6 +66,9 @@ class Characteristics:
     ``forward`` and ``backward`` are one-way times under the assumption that the fastest packet
     needed as long there as back: their difference from each other is real, a constant asymmetry is
     not in them. ``relay`` is the time at the other side, part of the round trip.
+
+    All packets are counted. The distributions are of one packet in ``kept_one_in``, drawn at random
+    from so many in a row; the shortest and the longest round trip are of all.
     """
 
     rate: float
@@ -78,8 +80,11 @@ class Characteristics:
     forged: int
     capped: int
     """Packets that the relay's caps kept back: neither lost nor measured."""
+    late: int
+    """Packets that came back after they were given up: neither lost nor measured."""
     late_replies: int
     """Replies to packets of an earlier measurement, which that one had counted as lost."""
+    kept_one_in: int
     late_sends: int
     duration: float
     round_trip: Distribution | None
@@ -98,49 +103,50 @@ class Characteristics:
 
 def characterise(measurement: NetworkMeasurement) -> Characteristics:
     """Everything that one measurement says."""
-    came = measurement.returned > 0
-    order = np.array(measurement.order, dtype=np.int64)
-    reordered = int(np.sum(order < np.maximum.accumulate(order))) if len(order) else 0
-    sent = measurement.sent
+    columns = measurement.kept.columns
+    came = columns[:, columns[RETURNED] > 0]
     trips = forward = backward = relay = None
     asymmetry = skew = None
-    if came.any():
-        there, back, skew = _one_way(measurement, came)
-        trips = Distribution.of(_seconds(measurement.returned[came] - sent[came]))
-        relay = Distribution.of(_seconds(measurement.relayed[came] - measurement.received[came]))
+    if came.shape[1]:
+        there, back, skew = _one_way(came)
+        trips = replace(
+            Distribution.of(_seconds(came[RETURNED] - came[SENT])),
+            minimum=measurement.shortest * 1e-9,
+            maximum=measurement.longest * 1e-9,
+        )
+        relay = Distribution.of(_seconds(came[RELAYED] - came[RECEIVED]))
         forward, backward = Distribution.of(there), Distribution.of(back)
         asymmetry = forward.mean - backward.mean
     return Characteristics(
         rate=measurement.rate,
         size=measurement.size,
         sent=measurement.count,
-        returned=int(came.sum()),
+        returned=measurement.returned,
         duplicates=measurement.duplicates,
-        reordered=reordered,
+        reordered=measurement.reordered,
         forged=measurement.forged,
         capped=measurement.capped,
+        late=measurement.late,
         late_replies=measurement.late_replies,
+        kept_one_in=measurement.kept.stride,
         late_sends=measurement.late_sends,
-        duration=float(sent[-1] - sent[0]) * 1e-9 if measurement.count > 1 else 0.0,
+        duration=(measurement.last_sent - measurement.first_sent) * 1e-9,
         round_trip=trips,
         forward=forward,
         backward=backward,
         relay=relay,
         asymmetry=asymmetry,
         clock_skew=skew,
-        loss=_loss(measurement, came),
+        loss=_loss(measurement),
     )
 
 
-def _one_way(
-    measurement: NetworkMeasurement, came: NDArray[np.bool_]
-) -> tuple[Floats, Floats, float | None]:
+def _one_way(came: Times) -> tuple[Floats, Floats, float | None]:
     """One-way times (s) there and back, and the skew of the other clock.
 
     Offset and skew come from the exchanges with the lowest tenth of round trips.
     """
-    sent, returned = measurement.sent[came], measurement.returned[came]
-    received, relayed = measurement.received[came], measurement.relayed[came]
+    sent, returned, received, relayed = came
     base_there = int(received[0] - sent[0])
     there = _seconds(received - sent - base_there)
     back = _seconds(returned - relayed + base_there)
@@ -157,67 +163,24 @@ def _one_way(
     return there - line, back + line, skew
 
 
-def _seconds(nanoseconds: NDArray[np.int64]) -> Floats:
+def _seconds(nanoseconds: Times) -> Floats:
     return nanoseconds.astype(np.float64) * 1e-9
 
 
-def _loss(measurement: NetworkMeasurement, came: NDArray[np.bool_]) -> Loss:
-    missing = ~came
+def _loss(measurement: NetworkMeasurement) -> Loss:
     # Which ones the caps kept back is not known, only how many.
-    capped = min(measurement.capped, int(missing.sum()))
-    packets = int(missing.sum()) - capped
+    capped = min(measurement.capped, measurement.lost)
+    packets = measurement.lost - capped
     # Number and count of the first and last echo say how many between them never got there.
     forward = 0
     if measurement.relay_first is not None:
         (first, count_first), (last, count_last) = measurement.relay_first, measurement.relay_last
         forward = min(packets, max(0, (last - first) - (count_last - count_first) - capped))
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], missing.view(np.int8), [0]))))
-    lengths = edges[1::2] - edges[::2]
-    sizes, counts = np.unique(lengths, return_counts=True)
     return Loss(
         packets=packets,
         fraction=packets / max(1, measurement.count),
         forward=forward,
         backward=packets - forward,
-        bursts={} if capped else {int(s): int(c) for s, c in zip(sizes, counts, strict=True)},
-        gilbert_elliott=None if capped else fit_bursts(missing),
+        bursts={} if capped else measurement.pattern.bursts,
+        gilbert_elliott=None if capped else fit_bursts(measurement.pattern),
     )
-
-
-def fit_bursts(lost: NDArray[np.bool_]) -> BurstyLoss | None:
-    """Gilbert's model fitted to a sequence of losses, or ``None`` where they look independent.
-
-    Source: Gilbert (1960), "Capacity of a burst-noise channel", from P(1), P(1|1) and
-    P(111) / (P(101) + P(111)); where those give no probabilities, the two-state chain that loses
-    everything in its bad state, whose estimates are counts of transitions.
-    """
-    count = len(lost)
-    losses = int(lost.sum())
-    if losses < 10 or losses > count - 10:
-        return None
-    overall = losses / count
-    pairs = int(np.sum(lost[:-1] & lost[1:]))
-    after_loss = pairs / max(1, int(lost[:-1].sum()))
-    # Independent draws would give ``overall``; three standard errors more is a burst.
-    if after_loss - overall < 3.0 * np.sqrt(overall * (1.0 - overall) / losses):
-        return None
-    with_both = int(np.sum(lost[:-2] & lost[1:-1] & lost[2:]))
-    with_ends = int(np.sum(lost[:-2] & lost[2:]))
-    simple = BurstyLoss(
-        good_to_bad=int(np.sum(~lost[:-1] & lost[1:])) / max(1, int((~lost[:-1]).sum())),
-        bad_to_good=1.0 - after_loss,
-        loss_bad=1.0,
-    )
-    if with_ends < 30:
-        return simple
-    a, b, c = overall, after_loss, with_both / with_ends
-    below = 2.0 * a * c - b * (a + c)
-    stay = (a * c - b * b) / below if below else 0.0
-    if not b < stay < 1.0:
-        return simple
-    loss_bad = b / stay
-    bad_to_good = 1.0 - stay
-    good_to_bad = a * bad_to_good / (loss_bad - a) if loss_bad > a else 0.0
-    if not (0.0 < good_to_bad < 1.0 and loss_bad < 1.0):
-        return simple
-    return BurstyLoss(good_to_bad=good_to_bad, bad_to_good=bad_to_good, loss_bad=loss_bad)

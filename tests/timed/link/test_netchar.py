@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import random
+import socket
 import threading
 import time
+from collections.abc import Callable
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,8 +17,10 @@ from click.testing import CliRunner
 
 from cosim.base.errors import InputError, RunError
 from cosim.cli.netchar import command
+from cosim.link.netchar.bursts import LossPattern, fit_bursts
+from cosim.link.netchar.measurement import NetworkMeasurement
 from cosim.link.netchar.preset import channel_preset
-from cosim.link.netchar.probe import NetworkMeasurement, Probe
+from cosim.link.netchar.probe import Probe, check_measurement
 from cosim.link.netchar.relay import (
     CLIENT,
     CONTRACT,
@@ -29,13 +34,14 @@ from cosim.link.netchar.relay import (
     serve,
 )
 from cosim.link.netchar.search import search_rate
-from cosim.link.netchar.statistics import Characteristics, characterise, fit_bursts
+from cosim.link.netchar.statistics import Characteristics, characterise
 from cosim.link.session.asker import RETRY, Asker
 from cosim.link.session.greeting import GREETING_SIZE
 from cosim.link.wire.packet import Opener, PacketKind, Sealer
 from cosim.link.wire.transport import Address, open_socket
 from cosim.testing.impairment import BadNetwork, Impairer, Injected
 from cosim.testing.proxy import Proxy
+from tests.support.link.measured import measured, peak
 from tests.support.link.support import KEY, OTHER_KEY
 from tests.support.machine import timed
 
@@ -103,7 +109,6 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
         for due, content in forward.take(session.probe(int(times[0, number])), times[0, number])
     ]
     counted: list[tuple[int, int]] = []
-    returns = []
     for due, number, content in sorted(arrivals):
         at = offset + round(due * (1 + skew))
         answer = session.ask(content, at)
@@ -113,22 +118,11 @@ def test_injected_delay_jitter_and_loss_are_recovered_within_five_percent() -> N
         _, times[1, number], times[2, number], received, _ = ECHO.unpack_from(plain)
         for back, _ in backward.take(answer, int(due)):
             times[3, number] = back
-            returns.append((back, number))
             counted.append((number, received))
     lost = times[3] == 0
     times[1:3, lost] = 0
     found = characterise(
-        NetworkMeasurement(
-            rate=400,
-            size=100,
-            sent=times[0],
-            returned=times[3],
-            received=times[1],
-            relayed=times[2],
-            order=[number for _, number in sorted(returns)],
-            relay_first=counted[0],
-            relay_last=max(counted, key=lambda item: item[1]),
-        )
+        measured(400, times[0], times[3], times[1], times[2], counts=dict(counted))
     )
     check_recovered(found, forward.injected, backward.injected)
     assert found.clock_skew == pytest.approx(skew, abs=20e-6)
@@ -325,6 +319,51 @@ def test_a_recorded_greeting_gets_a_cookie_and_nothing_else() -> None:
     assert relay.received == 0
 
 
+class Endless(socket.socket):
+    """A socket that datagrams never cease to come from."""
+
+    def __init__(self) -> None:
+        super().__init__(socket.AF_INET, socket.SOCK_DGRAM)
+        self.bind(("127.0.0.1", 0))
+        self.connect(self.getsockname())
+        self.setblocking(False)
+        super().send(b"so that it is readable")
+        self.read = 0
+
+    def recv_into(self, buffer, *_rest) -> int:
+        self.read += 1
+        size = min(len(buffer), 100)
+        buffer[:size] = bytes(size)
+        return size
+
+    def recvfrom_into(self, buffer, *_rest):
+        return self.recv_into(buffer), ("10.0.0.9", 1)
+
+    def send(self, datagram, *_rest) -> int:
+        return len(datagram)
+
+
+def test_packets_without_end_keep_nobody_from_the_clock() -> None:
+    with Endless() as link:
+        ends = iter([False, False, True])
+        serve(link, Relay(KEY, Caps()), stop=lambda: next(ends), report=lambda: None)
+        assert 0 < link.read <= 3 * 256
+    with Endless() as link:
+        probe, session = Probe(link, KEY), Session(Relay(KEY, Caps()))
+        probe.converse(session.asker.current.keys)
+        found = characterise(probe.measure(rate=100, duration=0.05, wait=0.0))
+        assert found.sent == 5
+        assert found.forged > 0
+
+
+@pytest.mark.parametrize("value", ["nan", "0", "-1", "inf"])
+def test_a_cap_that_cannot_be_is_refused_by_the_command(value: str) -> None:
+    for name in ("--max-rate", "--max-duration"):
+        result = CliRunner().invoke(command, ["serve", f"{name}={value}"])
+        assert result.exit_code == 2
+        assert name in result.output
+
+
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_cap_that_cannot_be_is_refused(value: float) -> None:
     for name in ("rate", "duration"):
@@ -355,10 +394,10 @@ def test_a_reply_to_an_earlier_measurement_is_late_and_not_forged() -> None:
         probe.connect(timeout=60.0)
         first = probe.measure(rate=200, duration=0.05, wait=0.0)
         second = probe.measure(rate=200, duration=0.05, wait=5.0)
-    assert len(first.order) == 0
+    assert first.returned == 0
     assert second.late_replies == first.count
     assert second.forged == 0
-    assert len(second.order) == second.count
+    assert second.returned == second.count
 
 
 def test_rate_and_duration_are_capped() -> None:
@@ -380,6 +419,26 @@ def test_a_running_measurement_is_not_taken_over() -> None:
     assert Session(relay, ("10.0.0.9", 1), now=10 * 10**9).connected
 
 
+def test_a_day_at_the_highest_rate_is_planned_in_the_memory_of_a_second() -> None:
+    with (
+        relay_behind(BadNetwork(), BadNetwork()) as (address, _, _relay),
+        open_socket(LOCAL, address) as link,
+    ):
+        probe = Probe(link, KEY)
+        probe.connect(timeout=60.0)
+
+        def some_of(duration: float) -> Callable[[], object]:
+            looks = itertools.count()
+            return lambda: probe.measure(
+                rate=1e5, duration=duration, wait=1.0, stop=lambda: next(looks) > 20
+            )
+
+        second, day = peak(some_of(1.0)), peak(some_of(86_400.0))
+    assert check_measurement(1e5, 86_400.0, 280) == 8_640_000_000
+    assert day < 64 << 20
+    assert day == pytest.approx(second, rel=0.05)
+
+
 def losses(seed: int, count: int, good_to_bad: float, bad_to_good: float, loss_bad: float):
     draw = random.Random(seed)
     bad = draw.random() < good_to_bad / (good_to_bad + bad_to_good)
@@ -391,10 +450,16 @@ def losses(seed: int, count: int, good_to_bad: float, bad_to_good: float, loss_b
     return lost
 
 
+def pattern(lost) -> LossPattern:
+    found = LossPattern()
+    found.add(lost)
+    return found
+
+
 @pytest.mark.parametrize("loss_bad", [1.0, 0.5])
 def test_the_fitted_bursts_are_those_that_made_the_losses(loss_bad: float) -> None:
     """A tenth: the standard error of Gilbert's estimates at this length is about 3 %."""
-    fit = fit_bursts(losses(3, 400_000, 0.005, 0.1, loss_bad))
+    fit = fit_bursts(pattern(losses(3, 400_000, 0.005, 0.1, loss_bad)))
     assert fit is not None
     assert fit.good_to_bad == pytest.approx(0.005, rel=0.12)
     assert fit.bad_to_good == pytest.approx(0.1, rel=0.12)
@@ -404,7 +469,7 @@ def test_the_fitted_bursts_are_those_that_made_the_losses(loss_bad: float) -> No
 @pytest.mark.parametrize("probability", [0.0, 0.001, 0.05, 0.5])
 def test_independent_losses_are_no_bursts(probability: float) -> None:
     draw = np.random.default_rng(1)
-    assert fit_bursts(draw.random(50_000) < probability) is None
+    assert fit_bursts(pattern(draw.random(50_000) < probability)) is None
 
 
 def measurement(rate: float, trip: float = 0.002, lost: float = 0.0, growth: float = 0.0):
@@ -414,8 +479,7 @@ def measurement(rate: float, trip: float = 0.002, lost: float = 0.0, growth: flo
     returned = sent + trips.astype(np.int64)
     returned[: int(lost * count)] = 0
     half = ((sent + returned) // 2) * (returned > 0)
-    order = [int(n) for n in np.flatnonzero(returned)]
-    return NetworkMeasurement(rate, 100, sent, returned, half, half.copy(), order)
+    return measured(rate, sent, returned, half, half)
 
 
 def test_the_search_finds_the_knee_of_a_shaper() -> None:

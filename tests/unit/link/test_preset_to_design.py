@@ -10,13 +10,14 @@ import pytest
 from click.testing import CliRunner
 
 from cosim.cli import cli
+from cosim.link.netchar.measurement import NetworkMeasurement
 from cosim.link.netchar.preset import channel_preset
-from cosim.link.netchar.probe import NetworkMeasurement
 from cosim.link.netchar.statistics import characterise
 from cosim.scenario import load
 from cosim.scenario.describe import average
 from cosim.testing.impairment import BadNetwork, Impairer
 from cosim.theory.chance.network import Network
+from tests.support.link.measured import measured
 
 OVERLAY = """channels:
   lan: {include: lan.yaml, round_trip_delay: null}
@@ -28,7 +29,6 @@ def measurement(there: BadNetwork, back: BadNetwork, count: int = 4000) -> Netwo
     ways = Impairer(there, 1), Impairer(back, 2)
     period = 7_812_500
     times = np.zeros((4, count), dtype=np.int64)
-    order: list[tuple[int, int]] = []
     received = 0
     facts: list[tuple[int, int]] = []
     for number in range(count):
@@ -40,19 +40,8 @@ def measurement(there: BadNetwork, back: BadNetwork, count: int = 4000) -> Netwo
         came = ways[1].take(b"p", arrived[0][0])
         if came:
             times[1:, number] = arrived[0][0], arrived[0][0], came[0][0]
-            order.append((came[0][0], number))
             facts.append((number, received))
-    return NetworkMeasurement(
-        rate=128.0,
-        size=280,
-        sent=times[0],
-        returned=times[3],
-        received=times[1],
-        relayed=times[2],
-        order=[number for _, number in sorted(order)],
-        relay_first=facts[0],
-        relay_last=facts[-1],
-    )
+    return measured(128.0, times[0], times[3], times[1], times[2], counts=dict(facts))
 
 
 def cohaptic(*words: str) -> str:
