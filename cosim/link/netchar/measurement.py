@@ -24,7 +24,7 @@ WINDOW: Final = 1 << 16
 SENT, RETURNED, RECEIVED, RELAYED = range(4)
 
 
-class Reply(Enum):
+class EchoKind(Enum):
     """What a reply with a packet's time is."""
 
     FIRST = auto()
@@ -152,23 +152,23 @@ class NetworkMeasurement:
 
     def reply(
         self, sent: int, received: int, relayed: int, arrived: int, relay_count: int
-    ) -> Reply:
+    ) -> EchoKind:
         """Note what came back for the packet that left at ``sent``, and count what it is."""
         if sent < self.began:
             self.late_replies += 1
-            return Reply.EARLIER
+            return EchoKind.EARLIER
         waiting = self._waiting[:, : self.count - self._judged]
         # Which packet this answers is told by its time, which no two packets share.
         at = int(np.searchsorted(waiting[SENT], np.int64(sent)))
         if self._judged and sent < waiting[SENT, 0]:
             self.late += 1
-            return Reply.LATE
+            return EchoKind.LATE
         if at >= waiting.shape[1] or waiting[SENT, at] != sent:
             self.forged += 1
-            return Reply.UNKNOWN
+            return EchoKind.UNKNOWN
         if waiting[RETURNED, at]:
             self.duplicates += 1
-            return Reply.AGAIN
+            return EchoKind.AGAIN
         waiting[1:, at] = (arrived, received, relayed)
         number = self._judged + at
         self.returned += 1
@@ -181,7 +181,7 @@ class NetworkMeasurement:
             self.relay_first = (number, relay_count)
         if relay_count >= self.relay_last[1]:
             self.relay_last = (number, relay_count)
-        return Reply.FIRST
+        return EchoKind.FIRST
 
     def end(self) -> None:
         """Nothing is waited for any longer."""

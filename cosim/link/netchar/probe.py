@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 
 from cosim.base.errors import InputError, RunError
-from cosim.link.netchar.measurement import WINDOW, NetworkMeasurement, Reply
+from cosim.link.netchar.measurement import WINDOW, EchoKind, NetworkMeasurement
 from cosim.link.netchar.relay import (
     CLIENT,
     CONTRACT,
@@ -175,7 +175,7 @@ class Probe:
             result.forged += 1
             return
         reply = result.reply(sent, received, relayed, arrived, relay_count)
-        if reply not in {Reply.EARLIER, Reply.UNKNOWN}:
+        if reply not in {EchoKind.EARLIER, EchoKind.UNKNOWN}:
             result.capped = max(result.capped, capped - self._capped)
 
 

@@ -13,9 +13,9 @@ from cosim.link.netchar.bursts import LossPattern
 from cosim.link.netchar.measurement import (
     RETURNED,
     SENT,
+    EchoKind,
     KeptTimes,
     NetworkMeasurement,
-    Reply,
 )
 from cosim.link.netchar.statistics import characterise
 from tests.support.link.measured import measured, peak
@@ -110,9 +110,11 @@ def test_a_reply_after_its_packet_was_given_up_is_late_and_not_lost() -> None:
     for number in range(1, 31):
         measurement.sent(number * 1000)
         if number > 5:
-            assert measurement.reply(number * 1000, 1, 1, number * 1000 + 1, number) is Reply.FIRST
+            assert (
+                measurement.reply(number * 1000, 1, 1, number * 1000 + 1, number) is EchoKind.FIRST
+            )
     for number in (1, 2, 3):
-        assert measurement.reply(number * 1000, 1, 1, 40_000, 40 + number) is Reply.LATE
+        assert measurement.reply(number * 1000, 1, 1, 40_000, 40 + number) is EchoKind.LATE
     measurement.end()
     found = characterise(measurement)
     assert (found.sent, found.returned, found.late, found.loss.packets) == (30, 25, 3, 2)
