@@ -19,7 +19,31 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-HAPLY_HOME = {"haply": [2.4, 0.9], "cobs": [2.2873, 0.8543]}
+ROOT = HERE.parents[2]
+PROOF = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.03}
+QUANSER_HOME = [2.2873, 0.8543]
+DRIVE = {"torque_constant": 0.0364, "amplifier": 0.5}
+FILES: dict[str, dict[str, Any]] = {
+    "haply": {"home": [2.4, 0.9], "estop": "confirmed"},
+    "cobs": {"home": QUANSER_HOME, "watchdog_proof": PROOF},
+    "odrive": {
+        "home": QUANSER_HOME,
+        "joints": [{"counts_per_turn": 8192}] * 2,
+        "settings": {"watchdog": {"timeout": 0.02}},
+        "watchdog_proof": PROOF,
+    },
+    "canopen": {
+        "home": QUANSER_HOME,
+        "joints": [{"counts_per_turn": 20000, "drive": DRIVE}] * 2,
+    },
+}
+"""Per board: the device file."""
+URLS = {
+    "haply": "haply://{port}",
+    "cobs": "cobs://{port}",
+    "odrive": "odrive+slcan://{port}?nodes=0,1&sleep_after_open=0",
+    "canopen": "canopen+slcan://{port}?nodes=1&sleep_after_open=0",
+}
 SCENARIO = """
 cohaptic: 1
 title: A torque that pushes on
@@ -40,6 +64,8 @@ class Seen:
     """What the motors were told: (time, torque 1, torque 2), and when they did not look."""
 
     torques: list[tuple[float, float, float]]
+    zeros: list[float]
+    """When they answered that they are at zero."""
     away: list[tuple[float, float]]
 
     def first_zero(self, after: float) -> float | None:
@@ -48,6 +74,13 @@ class Seen:
         last = hot[-1] if hot else after
         zeros = [t for t, *pair in self.torques if t > last and not any(pair)]
         return max(0.0, zeros[0] - after) if zeros else None
+
+    def first_answer(self, after: float) -> float | None:
+        """Seconds from ``after`` to the first answer that confirms the zero that lasts."""
+        found = self.first_zero(after)
+        return next(
+            (t - after for t in self.zeros if found is not None and t >= after + found), None
+        )
 
     def pushes(self, at: float) -> bool:
         """Whether the last torque before that time is none of zero."""
@@ -81,21 +114,19 @@ class Run:
 
     def begin(self) -> None:
         self.motors = subprocess.Popen(
-            [sys.executable, str(HERE / "motors.py"), self.board],
+            [sys.executable, "-m", "tests.support.hil.motors", self.board],
+            cwd=ROOT,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
         )
         assert self.motors.stdout is not None
         port = self.motors.stdout.readline().strip()
-        home = HAPLY_HOME[self.board]
-        device = {"driver": self.board, "home": home, "estop": "confirmed"}
-        if self.board == "cobs":
-            device["watchdog_proof"] = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.03}
+        device = {"driver": self.board, **FILES[self.board]}
         file = self.folder / "device.yaml"
         file.write_text(json.dumps(device))
         scenario = self.folder / "push.yaml"
-        scenario.write_text(SCENARIO.format(url=f"{self.board}://{port}", file=file))
+        scenario.write_text(SCENARIO.format(url=URLS[self.board].format(port=port), file=file))
         (self.folder / "pushing.py").write_text((HERE / "pushing.py").read_text())
         self.terminal, theirs = os.openpty()
         self.command = subprocess.Popen(
@@ -154,7 +185,7 @@ class Run:
 
     def seen(self) -> Seen:
         found = self.asked("dump")
-        return Seen([tuple(row) for row in found["seen"]], found["away"])
+        return Seen([tuple(row) for row in found["seen"]], found["zeros"], found["away"])
 
     @property
     def supervisor(self) -> int:

@@ -1,21 +1,25 @@
-"""The table of endings in docs/safety.md is the one that the timed suite holds the product to."""
+"""The table of endings in docs/safety.md is the one that the suite holds the product to."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from tests.timed.hil.test_every_ending_zeroes_the_wire import ENDINGS
+from tests.support.hil.ending_table import ANSWER, ENDINGS
 
 PAGE = Path(__file__).parents[3] / "docs" / "safety.md"
 BEGIN, END = "<!-- endings: written by the tests -->", "<!-- end of endings -->"
 
 
 def rendered() -> str:
-    lines = ["| ending | zero on the wire within | the command |", "|---|---|---|"]
+    lines = [
+        "| ending | zero on the wire within | confirmed within | the command |",
+        "|---|---|---|---|",
+    ]
     for name, ending in ENDINGS.items():
         says = "ends with status 1" if ending.alive else "is gone"
-        lines.append(f"| {name} | {ending.within * 1e3:.0f} ms | {says} |")
+        confirmed = (ending.within + ANSWER) * 1e3
+        lines.append(f"| {name} | {ending.within * 1e3:.0f} ms | {confirmed:.0f} ms | {says} |")
     return "\n".join(lines)
 
 

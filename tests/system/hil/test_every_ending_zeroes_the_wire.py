@@ -1,0 +1,57 @@
+"""However a paced run ends, the motors are told zero in time, and the command says so or says not.
+
+Measured on the wire, by motors that read it themselves. A time holds but for what the motors'
+process was itself kept from looking: the probe beside it.
+"""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+
+from tests.support.hil.ending_table import BOARDS, ENDINGS, STALL, end_it, pushing
+from tests.support.hil.endings import Run
+from tests.support.machine import timed
+
+
+@pytest.mark.parametrize("how", ENDINGS)
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_motors_are_told_zero_in_time(how: str, board: str, tmp_path: Path):
+    end_it(how, board, tmp_path)
+
+
+@pytest.mark.parametrize("how", ["left alone", "loop killed", "supervisor and loop killed"])
+def test_a_zero_that_nobody_confirmed_is_said_to_be_unknown(how: str, tmp_path: Path):
+    """The board hangs, so to say: the motors' process stands still, and answers nothing."""
+
+    def attempt(number: int) -> str | None:
+        try:
+            with pushing(tmp_path / str(number), "haply") as run:
+                run.motors.send_signal(signal.SIGSTOP)
+                if how in ENDINGS:
+                    ENDINGS[how].act(run)
+                try:
+                    assert run.status() == 1, run.said
+                    assert "output unknown, cut the power" in run.said, run.said
+                finally:
+                    run.motors.send_signal(signal.SIGCONT)
+        except AssertionError as error:
+            return str(error)
+        return None
+
+    timed(attempt, tolerates=STALL)
+
+
+def test_what_was_typed_before_the_question_is_no_answer(tmp_path: Path):
+    run = Run(tmp_path, "haply", ahead="enable\n\n")
+    try:
+        run.begin()
+        run.listen_for("Type 'enable'")
+        for _ in range(10):
+            run.listen(0.1)
+        assert "press Enter" not in run.said
+        assert run.command.poll() is None, "it waits for its answer"
+    finally:
+        run.end()
