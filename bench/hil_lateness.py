@@ -29,7 +29,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.base.system.grants import clock_nanosleep, prepare_loop
 from cosim.realtime.pacing import DeadlinePacer
-from hil.device.component import REST_TICKS
 from hil.device.contract import ZERO
 from hil.device.device import Device
 from tests.support.hil.driver_bench import Bench
@@ -70,9 +69,10 @@ def loop(device: Device | None, seconds: float) -> dict[str, Any]:
     poll = answering(device) if device is not None else None
     prepare_loop()
     pacer = DeadlinePacer(tick_seconds=TICK, sleep=clock_nanosleep())
-    pacer.start(-REST_TICKS)
+    rest = device.rest_ticks if device is not None else 0
+    pacer.start(-rest)
     clock = time.monotonic_ns
-    for tick in range(-REST_TICKS, ticks):
+    for tick in range(-rest, ticks):
         pacer.wait(tick)
         if device is None:
             continue

@@ -22,14 +22,11 @@ from hil.device.pantograph import terminals, variables
 from hil.device.warnings import warnings_of
 from hil.emulation.side_channel import Control
 from hil.safety.form import SafetyForm
-from hil.safety.limits import SPEED_WINDOW_TICKS
 from hil.setup import session as sessions
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
 from hil.setup.options import check_options
 
-REST_TICKS = 2 * SPEED_WINDOW_TICKS
-"""Ticks at zero torque before activation, in which the handle has to rest."""
 _FILE_OPTIONS = ("file", "preset")
 
 
@@ -249,7 +246,7 @@ def device_file(kind: type[Driver], options: Mapping[str, Any]) -> DeviceFile:
 
 def observe_rest(device: Device) -> None:
     """Exchange zeros for long enough to know whether the handle rests."""
-    for tick in range(-REST_TICKS, 0):
+    for tick in range(-device.rest_ticks, 0):
         device.read(tick)
         device.write(tick, (0.0, 0.0))
         if device.state is State.FAULT and device.settled:

@@ -44,6 +44,7 @@ class Flag(IntFlag):
     DRY = 256
     NOT_SENT = 512
     IGNORED_INPUT = 1024
+    NEAR_BORDER = 2048
 
 
 class WriteOutcome(StrEnum):

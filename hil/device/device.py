@@ -24,7 +24,7 @@ from hil.device.fault_latch import SETTLE_TICKS, FaultLatch
 from hil.device.judge import Judge
 from hil.device.sample_clock import SampleClock
 from hil.safety.layer import SafetyLayer, Trip
-from hil.safety.limits import DROP_TICKS, LATE_SECONDS
+from hil.safety.limits import LATE_SECONDS
 from hil.safety.linkage import Pair
 from hil.safety.permission import Permission
 from hil.safety.safeguards import check_safeguards
@@ -85,7 +85,7 @@ class Device:
         self._latch = FaultLatch()
         self._alarm = alarm or Alarm()
         self._judge = Judge()
-        self._samples = SampleClock(file)
+        self._samples = SampleClock(file, oldest=self.safety.ticks.drop)
         self._clock = clock
         self._reads = 0
         self._zeros = 0
@@ -102,7 +102,9 @@ class Device:
         samples = self._samples
         samples.tick(fresh=self._take())
         angle, sample = samples.joint_angle(), samples.sample
-        if self.state is not State.FAULT and (sample is not None or samples.age >= DROP_TICKS):
+        if self.state is not State.FAULT and (
+            sample is not None or samples.age >= self.safety.ticks.drop
+        ):
             known = angle if sample is not None else ZERO
             trip = self.safety.observe(self._reads, known, samples.age, homed=self.homed)
             if trip is not None:
@@ -347,6 +349,11 @@ class Device:
         self.state, self.homed = State.UNCONFIGURED, False
 
     # --- what others ask -------------------------------------------------------------------------
+
+    @property
+    def rest_ticks(self) -> int:
+        """Ticks at zero torque before activation, in which the handle has to rest."""
+        return 2 * self.safety.ticks.speed_window
 
     @property
     def name(self) -> str:

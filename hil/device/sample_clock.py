@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from hil.device.contract import Sample
-from hil.safety.limits import DROP_TICKS
 from hil.safety.linkage import Pair
 from hil.setup.device_file import DeviceFile
 
@@ -13,14 +12,14 @@ from hil.setup.device_file import DeviceFile
 class SampleClock:
     """The newest sample, its age in ticks, the board's own time, and what homing found."""
 
-    def __init__(self, file: DeviceFile) -> None:
+    def __init__(self, file: DeviceFile, *, oldest: int) -> None:
         self._joints = file.joints
         self._offset: Pair | None = None
         """Of the joints (rad), found by homing; before it, the device file's."""
         self.sample: Sample | None = None
         self.device_time: float | None = None
         """The board's clock (s) at the newest sample."""
-        self.age = DROP_TICKS
+        self.age = oldest
 
     def restart(self) -> None:
         """The port was opened: nothing has come yet."""

@@ -16,12 +16,12 @@ from hil.device.contract import ZERO, Flag
 from hil.device.errors import Cause
 from hil.safety.limits import (
     ACTIVATION_TIP_SPEED,
-    DROP_TICKS,
+    BORDER_DEXTERITY,
+    BORDER_METRES,
     FIRST_COMMAND_SHARE,
-    HOLD_TICKS,
-    SPEED_WINDOW_TICKS,
-    VIBRATION_WINDOW_TICKS,
+    REENTRY_SHARE,
     Limits,
+    TickLimits,
 )
 from hil.safety.linkage import Linkage, Pair, Region
 
@@ -68,19 +68,22 @@ class SafetyLayer:
         self.region = region or linkage.default_region()
         self.tick = tick
         self.quantum = quantum
-        self._trace: deque[tuple[int, Pair]] = deque(maxlen=SPEED_WINDOW_TICKS + 1)
+        self.ticks = TickLimits.at(tick)
+        self._trace: deque[tuple[int, Pair]] = deque(maxlen=self.ticks.speed_window + 1)
         self._angle: tuple[int, Pair] | None = None
         self._previous: Pair = ZERO
         self._heat = [0.0, 0.0]
         self._active_ticks = 0
-        self._ramp_ticks = 0
-        """Ticks since force was last nothing but zero: it comes back through the ramp."""
+        self._ramp = self._ramp_before_gap = 0.0
+        """Share of its force that has come up: from zero, or from where a gap had brought it."""
         self.age = 0
         self.tip_speed = 0.0
         """The chord over the long window (m/s): whether the handle rests."""
         self.fastest = 0.0
         """The larger of the chords over the long and the short window (m/s)."""
         self.tip: Pair | None = None
+        self.border = 0.0
+        """How far inside the tip is: 0 on the border, 1 where the force begins to fade."""
         self.inside = False
 
     def copy(self) -> SafetyLayer:
@@ -93,12 +96,14 @@ class SafetyLayer:
         """Drop the motion seen so far: the angles have a new zero."""
         self._trace.clear()
         self._angle = None
-        self.tip_speed, self.fastest, self.tip, self.inside = 0.0, 0.0, None, False
+        self.tip_speed, self.fastest, self.tip = 0.0, 0.0, None
+        self.border, self.inside = 0.0, False
 
     def start(self) -> None:
         """Begin at zero torque; force ramps up from here."""
         self._previous = ZERO
-        self._active_ticks = self._ramp_ticks = 0
+        self._active_ticks = 0
+        self._ramp = self._ramp_before_gap = 0.0
 
     def observe(self, tick: int, angle: Pair, age: int, *, homed: bool = True) -> Trip | None:
         """Take a measurement (rad) that is ``age`` ticks old; age 0 is a new one.
@@ -109,7 +114,7 @@ class SafetyLayer:
         self.age = age
         if not (isfinite(angle[0]) and isfinite(angle[1])):
             return Trip(Cause.MEASUREMENT, "the measured joint angle is not a number")
-        if age >= DROP_TICKS:
+        if age >= self.ticks.drop:
             return Trip(Cause.STALE, f"no valid sample for {age} ticks")
         if age > 0 or not homed:
             return None
@@ -125,19 +130,21 @@ class SafetyLayer:
                 f"the links cannot meet at joint angles {angle[0]:.3f} and {angle[1]:.3f} rad: "
                 "the homing or the device file is wrong",
             )
-        self.inside = (
-            self.region.contains(self.tip)
-            and self.linkage.dexterity(angle, self.tip) >= self.limits.dexterity
+        spare = self.linkage.dexterity(angle, self.tip) / self.limits.dexterity - 1.0
+        self.border = min(
+            1.0, self.region.margin(self.tip) / BORDER_METRES, spare / BORDER_DEXTERITY
         )
+        self.inside = self.border > (0.0 if self.inside else REENTRY_SHARE)
         return self._speed(tick, self.tip)
 
     def rest(self) -> str | None:
         """Why the handle cannot be called resting and inside yet, or ``None`` where it is."""
-        seen = self._trace[-1][0] - self._trace[0][0] if self._trace else 0
-        if seen < SPEED_WINDOW_TICKS - HOLD_TICKS or len(self._trace) < SPEED_WINDOW_TICKS // 2:
+        seen, window = (self._trace[-1][0] - self._trace[0][0] if self._trace else 0), self.ticks
+        full = window.speed_window - window.hold
+        if seen < full or len(self._trace) < window.speed_window // 2:
             return f"too little of its motion was observed ({len(self._trace)} samples)"
         if not self.inside:
-            return "the tip is outside the workspace"
+            return "the tip is outside the workspace, or at its border"
         if self.tip_speed > ACTIVATION_TIP_SPEED:
             return f"the tip moves at {self.tip_speed:.3f} m/s, it has to rest"
         return None
@@ -147,12 +154,11 @@ class SafetyLayer:
         del tick
         first = self._active_ticks == 0
         self._active_ticks += 1
-        self._ramp_ticks = self._ramp_ticks + 1 if self.inside else 0
         if not (isfinite(command[0]) and isfinite(command[1])):
             return self._stop(
                 Cause.COMMAND, Flag.NOT_A_NUMBER, "the torque command is not a number"
             )
-        if self.age >= DROP_TICKS:
+        if self.age >= self.ticks.drop:
             return self._stop(Cause.STALE, Flag.AGED, f"no valid sample for {self.age} ticks")
         largest = max(abs(command[0]), abs(command[1]))
         if first and largest >= FIRST_COMMAND_SHARE * self.limits.torque:
@@ -180,20 +186,30 @@ class SafetyLayer:
 
     def _scale(self) -> tuple[float, Flag]:
         """What both joints' torques are multiplied by, so that the force keeps its direction."""
-        scale, flags = 1.0, Flag.NONE
-        ramp = self._ramp_ticks * self.tick / self.limits.ramp_time
-        if ramp < 1.0:
-            scale, flags = scale * ramp, flags | Flag.RAMPING
-        if self.age > HOLD_TICKS:
-            scale *= (DROP_TICKS - self.age) / (DROP_TICKS - HOLD_TICKS)
-            flags |= Flag.AGED
+        flags = self._advance_ramp()
+        scale = self._ramp
         if self.fastest > FADE_SHARE * self.limits.tip_speed:
             over = self.fastest / self.limits.tip_speed - FADE_SHARE
             scale *= max(0.0, 1.0 - over / (1.0 - FADE_SHARE))
             flags |= Flag.SPEED_LIMIT
         if not self.inside:
-            scale, flags = 0.0, flags | Flag.OUTSIDE_WORKSPACE
+            return 0.0, flags | Flag.OUTSIDE_WORKSPACE
+        if self.border < 1.0:
+            scale, flags = scale * self.border, flags | Flag.NEAR_BORDER
         return scale, flags
+
+    def _advance_ramp(self) -> Flag:
+        """One tick further up; down with the age of the data; to nothing outside."""
+        hold, drop = self.ticks.hold, self.ticks.drop
+        if not self.inside:
+            self._ramp = self._ramp_before_gap = 0.0
+            return Flag.NONE
+        if self.age > hold:
+            self._ramp = self._ramp_before_gap * (drop - self.age) / (drop - hold)
+            return Flag.AGED
+        self._ramp = min(1.0, self._ramp + self.tick / self.limits.ramp_time)
+        self._ramp_before_gap = self._ramp
+        return Flag.RAMPING if self._ramp < 1.0 else Flag.NONE
 
     def _joint(self, index: int, torque: float, flags: Flag) -> tuple[float, Flag]:
         size, sign = abs(torque), copysign(1.0, torque)
@@ -244,14 +260,15 @@ class SafetyLayer:
 
     def _speed(self, tick: int, tip: Pair) -> Trip | None:
         self._trace.append((tick, tip))
-        while len(self._trace) > 2 and tick - self._trace[0][0] > SPEED_WINDOW_TICKS:
+        window, recently = self.ticks.speed_window, self.ticks.vibration
+        while len(self._trace) > 2 and tick - self._trace[0][0] > window:
             self._trace.popleft()
         since, start = self._trace[0]
-        if tick - since >= SPEED_WINDOW_TICKS // 2:
+        if tick - since >= window // 2:
             self.tip_speed = self._chord(tick, tip, since, start)
-        recent = self._trace[max(0, len(self._trace) - 1 - VIBRATION_WINDOW_TICKS)]
+        recent = self._trace[max(0, len(self._trace) - 1 - recently)]
         self.fastest = self.tip_speed
-        if tick - recent[0] >= VIBRATION_WINDOW_TICKS:
+        if tick - recent[0] >= recently:
             self.fastest = max(self.fastest, self._chord(tick, tip, *recent))
         if self.fastest < self.limits.tip_speed:
             return None

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import floor
 
 TIGHTER_IS_LARGER = frozenset({"ramp_time", "dexterity"})
 """Limits that protect more when they are larger; every other one protects more when smaller."""
 
-HOLD_TICKS = 2
-"""Up to this age the torque is held as commanded."""
-DROP_TICKS = 10
+HOLD_SECONDS = 0.002
+"""Up to this age of the data the torque is held as commanded."""
+DROP_SECONDS = 0.010
 """From this age on the torque is zero and the device is in FAULT."""
 LATE_SECONDS = 0.010
 """A write that comes later than this after the previous one is zero, and the device faults."""
@@ -18,12 +19,44 @@ ACTIVATION_TIP_SPEED = 0.02
 """Activation is refused while the tip moves faster (m/s)."""
 FIRST_COMMAND_SHARE = 0.1
 """The first command after activation has to be below this share of the torque limit."""
-SPEED_WINDOW_TICKS = 32
-"""Tip speed is the chord over this many ticks: one encoder count is then about 7 mm/s."""
-VIBRATION_WINDOW_TICKS = 8
-"""So is the chord over these few, which sees a vibration up to some 50 Hz as well."""
+SPEED_WINDOW_SECONDS = 0.03125
+"""Tip speed is the chord over this time: one encoder count is then about 7 mm/s."""
+VIBRATION_WINDOW_SECONDS = 0.0078125
+"""So is the chord over this one, which sees a vibration up to some 50 Hz as well."""
 LEAST_TICKS = 3
 """Ticks that 10 ms have to have: at a slower rate nothing could be dropped in time."""
+LONGEST_WATCHDOG = 0.1
+"""A board that lets its host be silent for longer (s) has no watchdog worth the name."""
+BORDER_METRES = 0.005
+"""Force fades over this last stretch before the workspace's border (m)."""
+BORDER_DEXTERITY = 0.2
+"""So it does where the dexterity is above its limit by less than this share of the limit."""
+REENTRY_SHARE = 0.4
+"""A tip that was outside counts as inside again from this share of that stretch on."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TickLimits:
+    """What is written in ms above as whole ticks of one control rate, rounded down."""
+
+    hold: int
+    drop: int
+    speed_window: int
+    vibration: int
+
+    @classmethod
+    def at(cls, tick: float) -> TickLimits:
+        """Those of a control period (s); so slow a one that 10 ms have no 3 ticks gets no force."""
+        return cls(
+            hold=_whole(HOLD_SECONDS, tick),
+            drop=max(LEAST_TICKS, _whole(DROP_SECONDS, tick)),
+            speed_window=max(2, _whole(SPEED_WINDOW_SECONDS, tick)),
+            vibration=max(1, _whole(VIBRATION_WINDOW_SECONDS, tick)),
+        )
+
+
+def _whole(seconds: float, tick: float) -> int:
+    return floor(seconds / tick * (1 + 1e-9))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

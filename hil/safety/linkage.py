@@ -24,7 +24,12 @@ class Region:
 
     def contains(self, point: Pair) -> bool:
         """Whether a point is inside or on the edge."""
-        return self.left <= point[0] <= self.right and self.bottom <= point[1] <= self.top
+        return self.margin(point) >= 0.0
+
+    def margin(self, point: Pair) -> float:
+        """Distance to the nearest edge (m), below zero outside."""
+        x, y = point
+        return min(x - self.left, self.right - x, y - self.bottom, self.top - y)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

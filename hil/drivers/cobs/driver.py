@@ -15,12 +15,13 @@ from hil.device.errors import BoardError, DeviceError
 from hil.drivers.cobs.protocol import CommandFlag, Reply, ReplyFlag, Splitter, command, reply
 from hil.drivers.samples import WrappingClock, sample_of_counts
 from hil.safety.conversion import TorqueDrive
-from hil.safety.limits import HOLD_TICKS
 from hil.safety.linkage import Pair
 from hil.wire.serial_port import SerialOptions, SerialPort
 
 WATCHDOG_MS = 20
 ANSWER_TRIES = 50
+LONGEST_LAG = 2
+"""Answers to a command that is older (ticks) are no new sample."""
 
 
 class CobsDriver(Driver):
@@ -63,7 +64,7 @@ class CobsDriver(Driver):
             return NOTHING
         status = newest.status
         sample = None
-        if (self._sequence - newest.sequence) & 0xFFFF <= HOLD_TICKS:
+        if (self._sequence - newest.sequence) & 0xFFFF <= LONGEST_LAG:
             # Older, or to nobody's question, it is no new sample.
             self._seen += 1
             sample = sample_of_counts(self.file.joints, newest.count, self._seen)

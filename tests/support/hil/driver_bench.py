@@ -11,7 +11,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from hil.device.component import REST_TICKS
 from hil.device.contract import ZERO, Measurement, Sent
 from hil.device.device import Device
 from hil.emulation.launch import Emulator, Order
@@ -154,8 +153,8 @@ class Bench:
         made = Rig(self.device(name, emulator, output=output, **options), emulator)
         made.device.configure()
         made.device.home()
-        made.tick = -REST_TICKS
-        made.exchange(REST_TICKS)
+        made.tick = -made.device.rest_ticks
+        made.exchange(made.device.rest_ticks)
         if activate:
             made.device.activate()
         return made

@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 from hil.device.contract import ZERO, Flag, State, WriteOutcome
-from hil.safety.limits import DROP_TICKS
+from hil.safety.limits import TickLimits
 from tests.support.hil import fault_table
 from tests.support.hil.driver_bench import DRIVERS, Bench
 
@@ -76,7 +76,7 @@ def test_outcome(name: str, fault: str, bench: Bench):
     device = rig.device
     if faulted is None:
         assert fault in MAY_GO_ON.get(name, UNNUMBERED), "this fault has to be noticed"
-        assert oldest <= DROP_TICKS
+        assert oldest <= TickLimits.at(1 / 1024).drop
     else:
         assert device.settled
         truth = rig.truth()

@@ -12,17 +12,18 @@ from hypothesis import strategies as st
 from hil.device.contract import Flag
 from hil.device.errors import Cause
 from hil.safety.layer import SafetyLayer
-from hil.safety.limits import SPEED_WINDOW_TICKS, Limits
+from hil.safety.limits import Limits, TickLimits
 from hil.safety.linkage import Linkage, Region
 from tests.support.hil.hil_bench import QUANSER, REST, REST_ANGLE
 
 T = 1 / 1024
 LIMITS = Limits()
+WINDOW = TickLimits.at(T).speed_window
 
 
 def layer(limits: Limits = LIMITS) -> SafetyLayer:
     made = SafetyLayer(limits, QUANSER, tick=T, quantum=2 * math.pi / 20000)
-    for tick in range(SPEED_WINDOW_TICKS + 2):
+    for tick in range(WINDOW + 2):
         assert made.observe(tick, REST_ANGLE, 0) is None
     made.start()
     return made
@@ -126,7 +127,7 @@ def test_a_jump_of_counts_trips_in_the_tick_in_which_it_is_seen():
     safe = ramped()
     quantum = 2 * math.pi / 20000
     allowed = LIMITS.joint_speed * T + 2 * quantum
-    base = SPEED_WINDOW_TICKS + 2
+    base = WINDOW + 2
     assert safe.observe(base, (REST_ANGLE[0] + allowed * 0.99, REST_ANGLE[1]), 0) is None
     trip = safe.observe(base + 1, (REST_ANGLE[0] - allowed * 0.02, REST_ANGLE[1]), 0)
     assert trip is not None
@@ -137,7 +138,7 @@ def test_a_jump_of_counts_trips_in_the_tick_in_which_it_is_seen():
 def test_a_fast_tip_fades_the_torque_and_then_trips():
     slow = Limits(tip_speed=0.3)
     safe = ramped(slow)
-    tick, x, speed, trip, shares = SPEED_WINDOW_TICKS + 2, REST[0], 0.0, None, []
+    tick, x, speed, trip, shares = WINDOW + 2, REST[0], 0.0, None, []
     while trip is None:
         speed += 2.0 * T
         x += speed * T
@@ -146,14 +147,14 @@ def test_a_fast_tip_fades_the_torque_and_then_trips():
         tick += 1
         assert tick < 400
     assert trip.cause is Cause.SPEED
-    assert speed < 0.3 + 2.0 * T * SPEED_WINDOW_TICKS
+    assert speed < 0.3 + 2.0 * T * WINDOW
     assert min(shares[:100]) > 0.99
     assert shares[-1] < 0.1
 
 
 def test_outside_the_workspace_nothing_is_sent_and_no_fault_is_made():
     safe = ramped()
-    tick = SPEED_WINDOW_TICKS + 2
+    tick = WINDOW + 2
     for step in range(400):
         y = REST[1] + step * 0.0002
         angles = QUANSER.angles((REST[0], y))
@@ -185,7 +186,7 @@ def test_a_tip_that_vibrates_faster_than_the_limit_trips(frequency):
     peak = 1.4 * LIMITS.tip_speed
     amplitude = peak / (2 * math.pi * frequency)
     safe, trip = ramped(), None
-    for tick in range(SPEED_WINDOW_TICKS + 2, SPEED_WINDOW_TICKS + 400):
+    for tick in range(WINDOW + 2, WINDOW + 400):
         grown = min(1.0, tick / 200)
         x = REST[0] + grown * amplitude * math.sin(2 * math.pi * frequency * tick * T)
         trip = trip or safe.observe(tick, QUANSER.angles((x, REST[1])), 0)
