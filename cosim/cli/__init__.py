@@ -21,6 +21,7 @@ COMMANDS = {
     "live": "Watch a paced run from another terminal.",
     "merge": "Align the records of the stations of one session.",
     "netchar": "Measure the network between two machines: delay, jitter, loss, rate.",
+    "plot": "Draw signals of runs: over time, difference, spectrum, phase plane, histogram.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",

@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.plot.style import COLOURS
 from cosim.record.reader import Run, SignalGroup
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.report.platform import Contact, RecordedPlatform
 from cosim.report.target import Target, blocks
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F", "#000000")
-"""Okabe and Ito's palette, which colour-blind readers tell apart."""
 
 CONTACT_STATES = (
     ("free", "#E8E8E8"),

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import CohapticError
+from cosim.plot.style import COLOURS
 from cosim.record.reader import SCENARIO_FILE, Run
-from cosim.report.panels import COLOURS
 from cosim.report.platform import RecordedPlatform
 
 GHOSTS = 17

@@ -10,12 +10,11 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
+from cosim.plot.style import COLOURS
 from cosim.theory.numerics import Bool
 from cosim.theory.stability.map import Axis
 from cosim.theory.transparency.admittance import Response
 
-# Okabe and Ito's colours, distinguishable with any colour vision.
-_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9")
 _LINES = ("solid", "dashed", "dashdot", "dotted")
 
 
@@ -52,7 +51,7 @@ def draw_map(
     figure, (axes,) = _figure(1)
     handles: list[Any] = []
     for number, (delay, stable) in enumerate(zip(delays, cells, strict=True)):
-        colour = _COLOURS[number % len(_COLOURS)]
+        colour = COLOURS[number % len(COLOURS)]
         line = _LINES[number % len(_LINES)]
         shown = stable.astype(np.float64)
         if stable.any():
@@ -87,7 +86,7 @@ def draw_admittance(responses: Mapping[str, Response], unit: str, title: str, ou
             axes.loglog(
                 response.frequencies[shown],
                 np.abs(getattr(response, definition))[shown],
-                color="black" if felt == "ideal" else _COLOURS[number % len(_COLOURS)],
+                color="black" if felt == "ideal" else COLOURS[number % len(COLOURS)],
                 linestyle=_LINES[number % len(_LINES)],
                 label=felt,
             )

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from cosim.plot.style import COLOURS
 from cosim.report.overview import STYLE
-from cosim.report.panels import COLOURS
 from cosim.thesis.beyond import RADIUS_DELAYS, Beyond
 from cosim.thesis.breaking import Limit
 from cosim.thesis.figures import DPI, SIZE

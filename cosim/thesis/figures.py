@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.plot.style import COLOURS
 from cosim.record.reader import Run, open_run
 from cosim.report.overview import STYLE
-from cosim.report.panels import COLOURS
 from cosim.thesis.experiments import Ran
 
 Floats = NDArray[np.float64]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,31 @@ class Number(click.FloatRange):
         if number - number != 0.0:
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
+
+
+class Quantity(click.ParamType[Fraction]):
+    """A number with its unit, such as ``2.5 s`` or ``80 ms``; without one it is in ``unit``."""
+
+    name = "quantity"
+
+    def __init__(self, unit: str) -> None:
+        self._unit = unit
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Fraction:
+        """The exact value in ``unit``, not negative."""
+        from cosim.base.quantities.quantity import QuantityError, quantity
+
+        if isinstance(value, Fraction):
+            return value
+        try:
+            found = quantity(value, self._unit)
+        except QuantityError as error:
+            self.fail(str(error), param, ctx)
+        if found < 0:
+            self.fail(f"{value} is negative.", param, ctx)
+        return found
 
 
 def seconds(*, zero: bool = False) -> Number:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +10,7 @@ from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.base.suggest import did_you_mean, index_hint
+from cosim.base.wildcard import compile_wildcard, is_wild
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
 from cosim.master.components.interface import Interface
 from cosim.scenario import Scenario
@@ -123,11 +123,10 @@ def _matches(
     scenario: Scenario,
 ) -> list[_Candidate]:
     component, _, path = pattern.partition(".")
-    is_open = any(character in component for character in "*?")
+    is_open = is_wild(component)
     candidates = known.every if is_open else known.of.get(component, [])
-    if any(character in pattern for character in "*?"):
-        wild = "".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in pattern)
-        expression = re.compile(rf"{wild}([.\[].*)?", re.DOTALL)  # a group, an array: all of it
+    if is_wild(pattern):
+        expression = compile_wildcard(pattern)
         found = [c for c in candidates if c.usual and expression.fullmatch(c.name)]
         if (
             not found

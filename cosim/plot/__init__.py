@@ -1,0 +1,1 @@
+"""Figures of recorded signals: over time, difference, spectrum, phase plane, histogram."""

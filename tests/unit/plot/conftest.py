@@ -1,0 +1,3 @@
+"""The fixtures of ``tests.support.record``."""
+
+from tests.support.record.fixtures import *  # noqa: F403
