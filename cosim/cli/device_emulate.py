@@ -14,6 +14,9 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import OutputFile
 
+PRESETS = {0: "quanser", 1: "haply"}
+"""The pantograph FMU's enumeration of devices."""
+
 if TYPE_CHECKING:
     from contextlib import ExitStack
 
@@ -60,7 +63,7 @@ def emulate_device(
         )
     if fault is None:
         refuse_without("--fault", {"--after": after}, "nothing begins then")
-    pantograph, operator = _from_scenario(scenario, overlays, component)
+    preset, pantograph, operator = _emulated(name, scenario, overlays, component)
     with ExitStack() as stack:
         order = Order(
             name=name,
@@ -75,7 +78,7 @@ def emulate_device(
         if fault is not None:
             emulator.control.ask("fault", kind=fault, start=after or 0)
         if output is not None:
-            _write_emulated_file(output, name, pantograph, emulator.home)
+            _write_emulated_file(output, name, preset, emulator.home)
         click.echo(json.dumps({"url": emulator.url, "home": emulator.home}))
         sys.stdout.flush()
         try:
@@ -104,23 +107,23 @@ def _firmware(name: str, stack: ExitStack) -> str:
     return str(build(Path(folder)))
 
 
-def _write_emulated_file(
-    output: Path, name: str, pantograph: Mapping[str, Any], home: tuple[float, float]
-) -> None:
+def _write_emulated_file(output: Path, name: str, preset: str, home: tuple[float, float]) -> None:
     from hil.setup.device_file import save
 
-    preset = "haply" if pantograph.get("device") in {"haply", 1} else "quanser"
     save(output, {"driver": name, "preset": preset, "home": list(home)})
 
 
-def _from_scenario(
-    scenario: str | None, overlays: tuple[str, ...], component: str | None
-) -> tuple[Mapping[str, Any], Mapping[str, Any] | None]:
+def _emulated(
+    name: str, scenario: str | None, overlays: tuple[str, ...], component: str | None
+) -> tuple[str, Mapping[str, Any], Mapping[str, Any] | None]:
+    """Preset and parameters of the pantograph, and parameters of the operator who moves it."""
     from cosim.base.errors import InputError
     from cosim.reading import load
+    from hil.setup.registry import find, find_preset
 
     if scenario is None:
-        return {"initial_tip_position": (0.0425, 0.2)}, None
+        kind = find(name)
+        return kind.preset, find_preset(kind.preset, kind).parameters, None
     loaded = load(scenario, overlays)
     if component is None:
         found = [name for name, each in loaded.components.items() if each.source == "pantograph"]
@@ -138,4 +141,7 @@ def _from_scenario(
     operator = loaded.components[movers[0]].parameters if movers else None
     # What stands for the wire in a simulation is brought by the wire itself here.
     written = loaded.components[component].parameters
-    return {k: v for k, v in written.items() if k != "computation_delay_ticks"}, operator
+    chosen = written.get("device", 0)
+    preset = PRESETS[chosen] if isinstance(chosen, int) and chosen in PRESETS else str(chosen)
+    kept = {k: v for k, v in written.items() if k != "computation_delay_ticks"}
+    return preset, kept, operator

@@ -66,6 +66,8 @@ class Device:
             address, file, tick=tick, pulse=pulse, number=number, parameters=parameters
         )
         self.address, self.file = address, file
+        for sentence in file.limits.beyond_ceilings().values():
+            raise InputError(f"{self.name}: {sentence}")
         self.tick = self.driver.tick
         self.permission = permission
         self.safety = SafetyLayer(

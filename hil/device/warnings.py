@@ -17,10 +17,15 @@ def warnings_of(device: Device) -> list[str]:
             f"{CUT_POWER.split(':')[0]} then. Keep the switch within reach."
         )
     texts += [
-        f"{device.name}: the limit '{name}' is loosened to "
-        f"{getattr(device.file.limits, name):g}: {reason}"
+        f"{device.name}: {_loosened(device, name)}: {reason}"
         for name, reason in device.file.loosened.items()
     ]
     if not (device.driver.tested_on_hardware or device.in_process):
         texts.append(f"the driver '{device.driver.driver}' has met emulators only, never hardware")
     return texts
+
+
+def _loosened(device: Device, name: str) -> str:
+    if name == "workspace":
+        return "the workspace reaches beyond the default"
+    return f"the limit '{name}' is loosened to {getattr(device.file.limits, name):g}"

@@ -16,7 +16,7 @@ class CardDriver(Driver):
     """Two encoder inputs and two analogue outputs behind a maker's package."""
 
     shares_port: ClassVar[bool] = False
-    takes_volts = True
+    command_unit = "V"
 
     _proved: bool = False
     _zero: bool = False

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from cosim.base.document.form import Form, QuantityIn
+from hil.safety.limits import LEAST_RAMP, LONGEST_RAMP
 
 LARGEST = 1e9
 """No value of a device is as large, in any unit."""
@@ -55,7 +56,13 @@ class LimitsForm(Form):
     ) = Field(default=None, description="Least sine of the angles between the links.")
     ramp_time: (
         Annotated[
-            float, QuantityIn(unit="s", what="time, such as 1.5 or '1500 ms'", least=1, most=2)
+            float,
+            QuantityIn(
+                unit="s",
+                what="time, such as 1.5 or '1500 ms'",
+                least=LEAST_RAMP,
+                most=LONGEST_RAMP,
+            ),
         ]
         | None
     ) = Field(default=None, description="How long force takes to come up, 1 to 2 s.")

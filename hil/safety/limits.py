@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from math import floor
 
 TIGHTER_IS_LARGER = frozenset({"ramp_time", "dexterity"})
@@ -23,6 +23,10 @@ SPEED_WINDOW_SECONDS = 0.03125
 """Tip speed is the chord over this time: one encoder count is then about 7 mm/s."""
 VIBRATION_WINDOW_SECONDS = 0.0078125
 """So is the chord over this one, which sees a vibration up to some 50 Hz as well."""
+HARD_FACTOR = 4.0
+"""How many times its default a limit may be, whatever the reason: beyond it no hand belongs."""
+LEAST_RAMP, LONGEST_RAMP = 1.0, 2.0
+"""How short, and how long, the ramp after activation may be (s)."""
 LEAST_TICKS = 3
 """Ticks that 10 ms have to have: at a slower rate nothing could be dropped in time."""
 LONGEST_WATCHDOG = 0.1
@@ -105,3 +109,23 @@ class Limits:
         """Whether a value protects less than this one's."""
         current: float = getattr(self, name)
         return value < current if name in TIGHTER_IS_LARGER else value > current
+
+    def beyond_ceilings(self) -> dict[str, str]:
+        """Why limits are refused for good, by name: looser than the hardest that there is."""
+        bounds = hard_ceilings()
+        return {
+            name: f"the limit '{name}: {getattr(self, name):g}' is looser than {bound:g}, the "
+            "hard ceiling, which no reason loosens."
+            for name, bound in asdict(bounds).items()
+            if bounds.is_looser(name, getattr(self, name))
+        }
+
+
+def hard_ceilings() -> Limits:
+    """The loosest limits that any device may have: a quarter, or four times, the defaults."""
+    standard = asdict(Limits())
+    loosest = {
+        name: value / HARD_FACTOR if name in TIGHTER_IS_LARGER else value * HARD_FACTOR
+        for name, value in standard.items()
+    }
+    return Limits(**{**loosest, "ramp_time": LEAST_RAMP})

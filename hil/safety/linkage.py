@@ -22,6 +22,10 @@ class Region:
     bottom: float
     top: float
 
+    def is_within(self, other: Region) -> bool:
+        """Whether it is a part of another one."""
+        return other.contains((self.left, self.bottom)) and other.contains((self.right, self.top))
+
     def contains(self, point: Pair) -> bool:
         """Whether a point is inside or on the edge."""
         return self.margin(point) >= 0.0

@@ -7,7 +7,7 @@ its maker publishes; ``settings`` are read by the form of the driver that it nam
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -24,27 +24,12 @@ from hil.safety.linkage import Linkage, Pair, Region
 if TYPE_CHECKING:
     from hil.setup.device_form import DeviceFileForm, DriveForm, JointForm
 from hil.setup.driver_facts import DriverSettings
-from hil.setup.registry import find
+from hil.setup.plausibility import judge_drives, judge_workspace
+from hil.setup.preset import Motor
+from hil.setup.registry import find, find_preset
 
 Drive = TorqueDrive | VoltageDrive
 S = TypeVar("S", bound="DriverSettings")
-
-PRESETS: Mapping[str, Mapping[str, Any]] = {
-    "quanser": {
-        "geometry": {"proximal": 0.100, "distal": 0.165, "base": 0.085},
-        "counts_per_turn": 20000,
-        "drive": {"torque_constant": 0.0364, "amplifier": 0.5},
-        "rest": (0.0425, 0.2),
-    },
-    "haply": {
-        "geometry": {"proximal": 0.070, "distal": 0.090, "base": 0.038},
-        "counts_per_turn": 4880,
-        "drive": {},
-        "limits": {"torque": 0.12},
-        "rest": (0.019, 0.1),
-    },
-}
-"""Geometry (m), counts, drive and a tip position in mid-workspace of the two published devices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +57,7 @@ class DeviceFile:
     date: str | None = None
     estop_confirmed: bool = False
     linkage: Linkage
+    motor: Motor
     joints: tuple[Joint, Joint]
     home: Pair | None = None
     """Joint angles (rad) of the pose in which the user holds the handle while homing."""
@@ -174,43 +160,55 @@ class _Builder:
         self._form = form
         self._problems = problems
         self._kind = find(form.driver)
-        self._preset = form.preset or self._kind.preset
-        self._base = PRESETS[self._preset]
+        self._name = form.preset or self._kind.preset
+        with problems.at(("preset",)):
+            self._preset = find_preset(self._name, self._kind)
+        problems.raise_if_any()
 
     def build(self, path: Path | None) -> DeviceFile:
         form = self._form
-        geometry = {**self._base["geometry"], **form.geometry.model_dump(exclude_none=True)}
-        linkage = Linkage(**geometry)
-        home = self._home(linkage)
+        linkage = replace(self._preset.linkage, **form.geometry.model_dump(exclude_none=True))
         joints = self._joints()
         loosened = form.loosened.model_dump(exclude_none=True)
         limits = self._limits(loosened)
-        proof = form.watchdog_proof
+        region = self._region(linkage, loosened)
+        home = self._home(linkage)
         self._problems.raise_if_any()
+        motor = replace(self._preset.motor, **form.motor.model_dump(exclude_none=True))
+        for at, sentence in (
+            *judge_drives([joint.drive for joint in joints], limits, motor),
+            *judge_workspace(linkage, region or linkage.default_region(), limits, home),
+        ):
+            self._problems.add(at, sentence)
+        self._problems.raise_if_any()
+        proof = form.watchdog_proof
         return DeviceFile(
             driver=form.driver,
-            preset=self._preset,
+            preset=self._name,
             serial=form.serial,
             date=form.date,
             estop_confirmed=form.estop == "confirmed",
             linkage=linkage,
+            motor=motor,
             joints=joints,
             home=home,
             limits=limits,
             loosened=loosened,
-            region=None if form.workspace is None else Region(**form.workspace.model_dump()),
+            region=region,
             settings=form.settings,
             watchdog_proof=None if proof is None else WatchdogProof(**proof.model_dump()),
             path=path,
         )
 
     def _limits(self, loosened: Mapping[str, str]) -> Limits:
-        standard = Limits(**self._base.get("limits", {}))
+        standard = Limits(**self._preset.limits)
         given = self._form.limits.given()
         for name, value in given.items():
             if standard.is_looser(name, value) and name not in loosened:
                 self._problems.add(("limits", name), standard.needs_a_reason(name, value))
         for name in loosened:
+            if name == "workspace":
+                continue
             value = given.get(name)
             if value is None or not standard.is_looser(name, value):
                 self._problems.add(
@@ -218,18 +216,37 @@ class _Builder:
                     f"loosened.{name}: the limit is not looser than the default "
                     f"{getattr(standard, name)}; leave the reason out.",
                 )
-        return standard.replaced(given)
+        limits = standard.replaced(given)
+        for name, sentence in limits.beyond_ceilings().items():
+            self._problems.add(("limits", name), sentence)
+        return limits
+
+    def _region(self, linkage: Linkage, loosened: Mapping[str, str]) -> Region | None:
+        form = self._form.workspace
+        region = None if form is None else Region(**form.model_dump())
+        standard = linkage.default_region()
+        looser = region is not None and not region.is_within(standard)
+        if looser and "workspace" not in loosened:
+            self._problems.add(
+                ("workspace",),
+                "workspace: it reaches beyond the default, x from "
+                f"{standard.left * 1e3:.0f} to {standard.right * 1e3:.0f}, y from "
+                f"{standard.bottom * 1e3:.0f} to {standard.top * 1e3:.0f} mm: write why under "
+                "'loosened: {workspace: ...}', or make it smaller.",
+            )
+        if not looser and "workspace" in loosened:
+            self._problems.add(
+                ("loosened", "workspace"),
+                "loosened.workspace: the workspace does not reach beyond the default; leave the "
+                "reason out.",
+            )
+        return region
 
     def _home(self, linkage: Linkage) -> Pair | None:
-        if self._form.home is None:
-            rest = linkage.angles(self._base["rest"])
-            return rest if self._form.driver == "mock" else None
-        first, second = self._form.home
-        if linkage.tip((first, second)) is None:
-            self._problems.add(
-                ("home",), f"the links cannot meet at the home pose [{first}, {second}] rad."
-            )
-        return first, second
+        if self._form.home is not None:
+            first, second = self._form.home
+            return first, second
+        return linkage.angles(self._preset.rest) if self._form.driver == "mock" else None
 
     def _joints(self) -> tuple[Joint, Joint]:
         from hil.setup.device_form import JointForm
@@ -241,32 +258,30 @@ class _Builder:
         return Joint(
             direction=form.direction,
             offset=form.offset,
-            counts_per_turn=form.counts_per_turn or self._base["counts_per_turn"],
+            counts_per_turn=form.counts_per_turn or self._preset.counts_per_turn,
             drive=self._drive(("joints", index, "drive"), form.drive),
         )
 
     def _drive(self, path: tuple[str | int, ...], form: DriveForm) -> Drive:
-        standard: Mapping[str, Any] = {}
-        if self._kind.takes_volts:
-            standard = self._base["drive"] or PRESETS["quanser"]["drive"]
-        values = {**standard, **form.model_dump(exclude_none=True, exclude_unset=True)}
+        given = form.model_dump(exclude_none=True, exclude_unset=True)
         where = ".".join(map(str, path))
-        if "torque_constant" not in values and "amplifier" not in values:
-            for name in values:
-                if name not in {"direction", "gear"}:
-                    self._problems.add(
-                        (*path, name),
-                        f"{where}.{name}: it belongs to a drive that takes volts, which has "
-                        "'torque_constant' and 'amplifier' as well.",
-                    )
+        unit = self._kind.command_unit
+        if unit == "N.m" or (unit is None and not given.keys() & {"torque_constant", "amplifier"}):
+            for name in given.keys() - {"direction", "gear"}:
+                self._problems.add(
+                    (*path, name),
+                    f"{where}.{name}: it belongs to a drive that takes volts, and the driver "
+                    f"'{self._form.driver}' is given the motor's torque.",
+                )
             return TorqueDrive(direction=form.direction, gear=form.gear)
+        standard: Mapping[str, Any] = {}
+        if unit == "V":
+            standard = self._preset.drive or find_preset("quanser", self._kind).drive
+        values = {**standard, **given}
         for name in ("torque_constant", "amplifier"):
             if name not in values:
                 self._problems.add(
                     path, f"{where}: one of torque_constant and amplifier; it needs both."
                 )
                 return TorqueDrive()
-        drive = VoltageDrive(**values)
-        if not drive.low <= drive.bias <= drive.high or drive.low_code >= drive.high_code:
-            self._problems.add(path, f"{where}: the bias has to lie inside the DAC's range.")
-        return drive
+        return VoltageDrive(**values)

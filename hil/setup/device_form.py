@@ -13,14 +13,29 @@ from cosim.base.document.show import describe
 from hil.safety.form import LARGEST, LimitsForm
 
 LARGEST_OFFSET = 4 * pi
+SHORTEST_LINK, LONGEST_LINK = 0.005, 1.0
+"""Links (m) between which a hand can be on a tip; longer ones are millimetres taken for metres."""
+LEAST_GEAR, LARGEST_GEAR = 1.0, 100.0
+"""A gear below one would ask more of the motor than of the joint; above, no hand moves it."""
+LEAST_CONSTANT, LARGEST_CONSTANT = 0.001, 10.0
+"""Torque constants (N.m/A) from the smallest motors to direct drives."""
+LEAST_AMPLIFIER, LARGEST_AMPLIFIER = 0.01, 100.0
+"""Of amplifiers (A/V)."""
+LARGEST_VOLTAGE = 24.0
+"""Of analogue inputs and outputs (V)."""
+LARGEST_CODE = 2**31
+LARGEST_TORQUE, LARGEST_CURRENT = 10.0, 100.0
+"""Ratings (N.m, A) of motors that belong on a desk."""
 
 Metres = Annotated[
     float,
-    QuantityIn(unit="m", what="length, such as 0.1 or '100 mm'", least=-LARGEST, most=LARGEST),
+    QuantityIn(unit="m", what="length, such as 0.1 or '100 mm'", least=-1, most=1),
 ]
 LinkLength = Annotated[
     float,
-    QuantityIn(unit="m", what="length, such as 0.1 or '100 mm'", above=0, most=LARGEST),
+    QuantityIn(
+        unit="m", what="length, such as 0.1 or '100 mm'", least=SHORTEST_LINK, most=LONGEST_LINK
+    ),
 ]
 Radians = Annotated[
     float,
@@ -32,13 +47,19 @@ Radians = Annotated[
     ),
 ]
 Volts = Annotated[
-    float, QuantityIn(unit="V", what="voltage, such as 2.5", least=-LARGEST, most=LARGEST)
+    float,
+    QuantityIn(unit="V", what="voltage, such as 2.5", least=-LARGEST_VOLTAGE, most=LARGEST_VOLTAGE),
 ]
 Counts = Annotated[
     int, QuantityIn(unit="1", what="whole number of counts", least=16, most=2**24, whole=True)
 ]
 Code = Annotated[
-    int, QuantityIn(unit="1", what="whole DAC code", least=-LARGEST, most=LARGEST, whole=True)
+    int,
+    QuantityIn(unit="1", what="whole DAC code", least=-LARGEST_CODE, most=LARGEST_CODE, whole=True),
+]
+Rated = Annotated[
+    float,
+    QuantityIn(unit="N.m", what="torque, such as 0.1 or '100 mN.m'", above=0, most=LARGEST_TORQUE),
 ]
 Seconds = Annotated[
     float, QuantityIn(unit="s", what="time, such as 0.02 or '20 ms'", above=0, most=LARGEST)
@@ -88,7 +109,7 @@ class GeometryForm(Form):
     base: (
         Annotated[
             float,
-            QuantityIn(unit="m", what="length, such as 0.04 or '40 mm'", least=0, most=LARGEST),
+            QuantityIn(unit="m", what="length, such as 0.04 or '40 mm'", least=0, most=1),
         ]
         | None
     ) = Field(default=None, description="Distance between the two motors (m).")
@@ -100,19 +121,29 @@ class DriveForm(Form):
     direction: Direction = Field(default=1, description="The sign of the motor's torque.")
     gear: Annotated[
         float,
-        QuantityIn(unit="1", what="ratio, such as 1 or 7.5", above=0, most=LARGEST),
+        QuantityIn(unit="1", what="ratio, such as 1 or 7.5", least=LEAST_GEAR, most=LARGEST_GEAR),
     ] = Field(default=1.0, description="Joint torque per motor torque.")
     torque_constant: (
         Annotated[
             float,
-            QuantityIn(unit="N.m/A", what="torque constant, such as 0.0364", above=0, most=LARGEST),
+            QuantityIn(
+                unit="N.m/A",
+                what="torque constant, such as 0.0364 or '36.4 mN.m/A'",
+                least=LEAST_CONSTANT,
+                most=LARGEST_CONSTANT,
+            ),
         ]
         | None
     ) = Field(default=None, description="Of the motor (N.m/A).")
     amplifier: (
         Annotated[
             float,
-            QuantityIn(unit="A/V", what="gain of an amplifier, such as 0.5", above=0, most=LARGEST),
+            QuantityIn(
+                unit="A/V",
+                what="gain of an amplifier, such as 0.5",
+                least=LEAST_AMPLIFIER,
+                most=LARGEST_AMPLIFIER,
+            ),
         ]
         | None
     ) = Field(default=None, description="Amperes that the amplifier gives for a volt (A/V).")
@@ -121,6 +152,23 @@ class DriveForm(Form):
     high: Volts = Field(default=10.0, description="The DAC's highest voltage (V).")
     low_code: Code = Field(default=-32767, description="The code of the lowest voltage.")
     high_code: Code = Field(default=32767, description="The code of the highest voltage.")
+
+
+class MotorForm(Form):
+    """What the motors are rated for, at their own shafts; by default the preset's."""
+
+    peak_torque: Rated | None = Field(
+        default=None, description="Torque that they give for seconds at most (N.m)."
+    )
+    continuous_torque: Rated | None = Field(
+        default=None, description="Torque that they may hold for ever (N.m)."
+    )
+    peak_current: (
+        Annotated[
+            float, QuantityIn(unit="A", what="current, such as 5", above=0, most=LARGEST_CURRENT)
+        ]
+        | None
+    ) = Field(default=None, description="Current that they or their amplifiers take (A).")
 
 
 class JointForm(Form):
@@ -150,7 +198,7 @@ class WorkspaceForm(Form):
 
 
 class LoosenedForm(Form):
-    """Why a limit is looser than the default, by the limit's name."""
+    """Why a limit, or the workspace, is looser than the default, by its name."""
 
     torque: Reason | None = None
     continuous_torque: Reason | None = None
@@ -160,6 +208,7 @@ class LoosenedForm(Form):
     joint_speed: Reason | None = None
     dexterity: Reason | None = None
     ramp_time: Reason | None = None
+    workspace: Reason | None = None
 
 
 class WatchdogProofForm(Form):
@@ -176,8 +225,10 @@ class DeviceFileForm(Form):
 
     cohaptic_device: Literal[1] = Field(default=1, description="The version of device files.")
     driver: str = Field(description="The driver's name: `driver: haply`.")
-    preset: Literal["quanser", "haply"] | None = Field(
-        default=None, description="Whose geometry, counts and drive hold unless they are given."
+    preset: str | None = Field(
+        default=None,
+        description="Whose geometry, counts, motor and drive hold unless they are given: "
+        "`quanser`, `haply`, or another that an installed driver brings.",
     )
     serial: Serial | None = Field(default=None, description="Another device is refused.")
     date: Date | None = Field(default=None, description="When it was calibrated.")
@@ -185,6 +236,7 @@ class DeviceFileForm(Form):
         default=None, description="`confirmed`: a person stands by a switch that cuts the power."
     )
     geometry: GeometryForm = Field(default=GeometryForm(), description="The linkage.")
+    motor: MotorForm = Field(default=MotorForm(), description="What the motors are rated for.")
     joints: Annotated[list[JointForm], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description="The two joints."
     )
@@ -193,7 +245,8 @@ class DeviceFileForm(Form):
     )
     limits: LimitsForm = Field(default=LimitsForm(), description="Limits by name.")
     loosened: LoosenedForm = Field(
-        default=LoosenedForm(), description="Why a limit is looser than the default, by name."
+        default=LoosenedForm(),
+        description="Why a limit, or the workspace, is looser than the default, by name.",
     )
     workspace: WorkspaceForm | None = Field(default=None, description="Where the tip may be.")
     settings: Any = Field(default=None, description="What belongs to one driver alone.")

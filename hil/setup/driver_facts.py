@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from cosim.base.document.form import Form
 from hil.setup.options import UrlOptions
+from hil.setup.preset import Preset
 
 
 class DriverSettings(Form):
@@ -34,10 +36,12 @@ class DriverFacts:
     """The form of the options in its URL."""
     emulator: ClassVar[str | None] = None
     """``module:function`` that makes its emulated board (``hil.emulation.launch``)."""
+    presets: ClassVar[Mapping[str, Preset]] = {}
+    """The published devices that come with it, by name; every driver's files can name them."""
     preset: ClassVar[str] = "quanser"
-    """The device that a device file describes where it does not name one."""
-    takes_volts: ClassVar[bool] = False
-    """Whether it takes volts: then a drive defaults to the preset's motor and amplifier."""
+    """The one that a device file describes where it does not name one."""
+    command_unit: ClassVar[str | None] = "N.m"
+    """What it is given: the motor's torque, with ``V`` an amplifier's input, ``None`` for both."""
     found_on: ClassVar[str | None] = None
     """Where ``cohaptic device find`` looks for it: ``serial``, ``can``, or nowhere."""
     usb_ids: ClassVar[tuple[tuple[int, int], ...]] = ()

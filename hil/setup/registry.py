@@ -5,11 +5,13 @@ A lab adds a driver of its own by declaring an entry point in its own package.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from difflib import get_close_matches
 
 from cosim.base.errors import InputError
 from cosim.base.system.installed import registered
 from hil.setup.driver_facts import DriverFacts
+from hil.setup.preset import Preset
 
 GROUP = "cohaptic.devices"
 
@@ -39,3 +41,22 @@ def find(name: str) -> type[DriverFacts]:
             f"the entry point '{name}' of {GROUP} is no subclass of hil.device.driver.Driver"
         )
     return kind
+
+
+def find_preset(name: str, kind: type[DriverFacts]) -> Preset:
+    """A published device, for a device file of the driver ``kind``.
+
+    Raises:
+        InputError: no installed driver brings one of that name.
+    """
+    if name in kind.presets:
+        return kind.presets[name]
+    found: dict[str, Preset] = {}
+    for driver in sorted(names(), key=lambda each: each != name):
+        with suppress(InputError):  # a broken package is told of by ``device list``
+            found.update(find(driver).presets)
+        if name in found:
+            return found[name]
+    close = get_close_matches(name, found, 1)
+    hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(sorted(found))}"
+    raise InputError(f"there is no preset '{name}'; {hint}")

@@ -14,7 +14,7 @@ geometry: {proximal: 0.1, distal: 0.165, base: 0.085}
 home: [2.427, 0.714]
 joints:
   - {direction: 1, offset: 0.1, counts_per_turn: 4880, drive: {gear: 2, torque_constant: 0.03}}
-  - {direction: -1, drive: {amplifier: 0.5, bias: 0.01, low: -5, high: 5, low_code: 0}}
+  - {direction: -1, drive: {amplifier: 0.5, bias: 0.01, low: -6, high: 6, low_code: 0}}
 limits: {torque: 0.1, ramp_time: 2}
 loosened: {torque: because}
 workspace: {left: -0.1, right: 0.1, bottom: 0.05, top: 0.2}

@@ -60,7 +60,7 @@ class CanopenDriver(Driver):
     options = CanopenOptions
     latency_ticks: ClassVar[int] = 0
     emulator = "hil.drivers.canopen.emulator:make"
-    takes_volts = True
+    command_unit = "V"
     found_on = "can"
 
     heartbeat = wire.LAST_NODE

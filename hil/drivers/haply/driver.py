@@ -7,6 +7,7 @@ never sent while an answer is outstanding, any odd byte is a fault, and a fault 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import degrees, radians
 from typing import Annotated, ClassVar
 
@@ -17,6 +18,7 @@ from cosim.base.errors import InputError
 from hil.device.contract import NOTHING, ZERO, Received, Sample
 from hil.device.driver import Driver
 from hil.device.errors import ProtocolError
+from hil.drivers.haply.preset import HAPLY
 from hil.drivers.haply.protocol import (
     IO_BYTES,
     REPLY_BYTES,
@@ -30,6 +32,7 @@ from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
 from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
+from hil.setup.preset import Preset
 from hil.wire.serial_port import SerialOptions, SerialPort
 
 DEVICE = 5
@@ -73,6 +76,7 @@ class HaplyDriver(Driver):
     options = HaplyOptions
     latency_ticks: ClassVar[int] = 1
     emulator = "hil.drivers.haply.emulator:make"
+    presets: ClassVar[Mapping[str, Preset]] = {"haply": HAPLY}
     preset = "haply"
     found_on = "serial"
 

@@ -9,7 +9,7 @@ from hil.device.contract import ZERO, Received, Sample, Watchdog
 from hil.device.driver import Driver
 from hil.emulation.plant import Body, SimulatedPantograph
 from hil.safety.linkage import Pair
-from hil.setup.device_file import PRESETS
+from hil.setup.registry import find_preset
 
 
 class MockDriver(Driver):
@@ -17,6 +17,7 @@ class MockDriver(Driver):
 
     driver = "mock"
     in_process: ClassVar[bool] = True
+    command_unit = None
     tested_on_hardware: ClassVar[bool] = True
 
     _zero = False
@@ -69,5 +70,4 @@ class MockDriver(Driver):
             self.body = None
 
     def _model_parameters(self) -> dict[str, Any]:
-        rest = {"initial_tip_position": PRESETS[self.file.preset]["rest"]}
-        return {"device": list(PRESETS).index(self.file.preset), **rest, **self.parameters}
+        return {**find_preset(self.file.preset, type(self)).parameters, **self.parameters}

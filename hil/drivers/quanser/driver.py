@@ -10,7 +10,8 @@ HIL Python API documentation.
 from __future__ import annotations
 
 from array import array
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -19,9 +20,11 @@ from cosim.base.errors import InputError
 from hil.device.contract import Received
 from hil.device.errors import DeviceGone
 from hil.drivers.card import CardDriver
+from hil.drivers.quanser.preset import QUANSER
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
 from hil.setup.options import IntegersIn, UrlOptions, read_options
+from hil.setup.preset import Preset
 from hil.wire.vendor import VendorSettings, fires, vendor
 
 INSTALL = "install the Quanser SDK (github.com/quanser) with its Python packages"
@@ -57,6 +60,7 @@ class QuanserDriver(CardDriver):
     driver = "quanser"
     settings = QuanserSettings
     options = QuanserOptions
+    presets: ClassVar[Mapping[str, Preset]] = {"quanser": QUANSER}
 
     _card: Any = None
 

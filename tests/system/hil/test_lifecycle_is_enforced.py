@@ -151,10 +151,15 @@ def test_a_device_outside_its_workspace_refuses_activation():
     file = parse_file(
         {
             "driver": "mock",
-            "workspace": {"left": 0.0, "right": 0.02, "bottom": 0.1, "top": 0.2},
+            "workspace": {"left": 0.0, "right": 0.045, "bottom": 0.1, "top": 0.21},
         }
     )
-    device = rested(mock(Puppet(), file=file))
+    puppet = Puppet()
+    device = rested(mock(puppet, file=file))
+    for step in range(20):
+        puppet.put((REST[0] + 0.0005 * step, REST[1]))
+        run(device, 1, start=step)
+    run(device, 40, start=20)
     with pytest.raises(ActivationRefused, match="workspace"):
         device.activate()
 

@@ -9,7 +9,8 @@ import pytest
 from cosim.base.errors import InputError, InputErrors
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
-from hil.setup.device_file import PRESETS, load, parse, save
+from hil.setup.device_file import load, parse, save
+from hil.setup.registry import find, find_preset
 
 GOOD = {
     "cohaptic_device": 1,
@@ -42,17 +43,20 @@ def test_a_file_survives_being_written_and_read(tmp_path):
         ({"joints": [{"direction": 0}, {}]}, "1 or -1"),
         ({"joints": [{"counts_per_turn": 3}, {}]}, "at least 16"),
         ({"joints": [{"offset": 90.0}, {}]}, "rad"),
-        ({"joints": [{"drive": {"gear": -1.0}}, {}]}, "gear: -1.0 .* more than 0"),
-        ({"joints": [{"drive": {"torque_constant": 0.1}}, {}]}, "needs both"),
+        ({"joints": [{"drive": {"gear": -1.0}}, {}]}, "gear: -1.0 .* at least 1"),
+        ({"joints": [{"drive": {"gear": 0.001}}, {}]}, "gear: 0.001 .* at least 1"),
+        ({"joints": [{"drive": {"torque_constant": 0.1}}, {}]}, "belongs to a drive that takes v"),
         ({"home": [math.pi, 0.0], "geometry": {"base": 0.1}}, "cannot meet"),
-        ({"geometry": {"proximal": 0}}, "more than 0 m"),
+        ({"home": [3.2, 0.0]}, "outside the workspace"),
+        ({"geometry": {"proximal": 0}}, "at least 0.005 m"),
+        ({"geometry": {"proximal": 70}}, "at most 1 m"),
         ({"limits": {"torque": 0.2}}, "looser"),
         ({"limits": {"torque": float("nan")}}, "number"),
         ({"limits": {"ramp_time": 5.0}}, "at most 2 s"),
         ({"limits": {"voltage": 5.0}}, "unknown key 'voltage' in limits"),
         ({"workspace": {"left": 1, "right": 0, "bottom": 0, "top": 1}}, "empty"),
         ({"estop": "yes"}, "confirmed"),
-        ({"preset": "omega"}, "'quanser' or 'haply'"),
+        ({"preset": "omega"}, "no preset 'omega'; there are haply, quanser"),
         ({"driver": "haptly"}, "did you mean 'haply'"),
         ({"cohaptic_device": 2}, "1, not 2"),
         ({"cohaptic_device": "1"}, "1, not the text '1'"),
@@ -98,13 +102,17 @@ def test_drives_that_take_volts_get_the_presets_motor():
 def test_presets_are_the_pantograph_fmus():
     from fmus.shared.mechanism.device import presets
 
-    geometry, dynamics = presets("GEOMETRY"), presets("DYNAMICS")
-    known = {**geometry, **dynamics}
-    for index, (name, preset) in enumerate(PRESETS.items()):
-        assert preset["geometry"]["proximal"] == known["proximal_length"][index], name
-        assert preset["geometry"]["distal"] == known["distal_length"][index], name
-        assert preset["geometry"]["base"] == known["base_distance"][index], name
-        assert preset["counts_per_turn"] == known["encoder_counts"][index], name
+    known = {**presets("GEOMETRY"), **presets("DYNAMICS")}
+    for index, name in enumerate(("quanser", "haply")):
+        preset = find_preset(name, find("mock"))
+        assert preset.model == {"device": index}
+        assert preset.linkage.proximal == known["proximal_length"][index], name
+        assert preset.linkage.distal == known["distal_length"][index], name
+        assert preset.linkage.base == known["base_distance"][index], name
+        assert preset.counts_per_turn == known["encoder_counts"][index], name
+    quanser = find_preset("quanser", find("mock"))
+    assert quanser.motor.peak_torque == known["torque_limit"][0]
+    assert quanser.motor.peak_current == known["current_limit"][0]
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ LIMITS: dict[str, float] = {
     "dexterity": 0.5,
     "ramp_time": 2.0,
 }
-LOOSE = {name: value * 1.2 for name, value in (("torque", 0.15), ("continuous_torque", 0.08))}
+LOOSE = {name: value * 1.2 for name, value in (("torque", 0.15), ("continuous_torque", 0.07))}
 LOOSE |= {"peak_time": 3.0, "slew": 80.0, "tip_speed": 1.5, "joint_speed": 30.0}
 LOOSE |= {"dexterity": 0.1, "ramp_time": 1.2}
 VOLTS = {
@@ -64,7 +64,7 @@ VOLTS = {
     "low_code": -400,
     "high_code": 400,
 }
-ROOM = {"left": -0.2, "right": 0.3, "bottom": 0.05, "top": 0.4}
+ROOM = {"left": -0.05, "right": 0.12, "bottom": 0.08, "top": 0.25}
 PROOF = {"date": "2026-03-01", "timeout": 0.02, "fired_after": 0.03, "serial": "7"}
 
 
@@ -91,6 +91,19 @@ DEVICE: dict[Key, tuple[dict[str, Any], dict[str, Any]]] = {
         {"limits": {"torque": 0.2}, "loosened": {"torque": "measured so"}},
     ),
     ("DeviceFileForm", "workspace"): ({}, {"workspace": {**ROOM, "top": 0.21}}),
+    ("DeviceFileForm", "motor"): ({}, {"motor": {"peak_torque": 0.1}}),
+    **{
+        ("MotorForm", name): (drive(), {**drive(), "motor": {name: value}})
+        for name, value in (
+            ("peak_torque", 0.1),
+            ("continuous_torque", 0.05),
+            ("peak_current", 3.0),
+        )
+    },
+    ("LoosenedForm", "workspace"): (
+        {"workspace": {**ROOM, "left": -0.2}, "loosened": {"workspace": "measured so"}},
+        {"workspace": {**ROOM, "left": -0.2}, "loosened": {"workspace": "built so"}},
+    ),
     ("DeviceFileForm", "watchdog_proof"): ({}, {"watchdog_proof": PROOF}),
     **{
         ("GeometryForm", name): ({}, {"geometry": {name: value}})
@@ -106,10 +119,10 @@ DEVICE: dict[Key, tuple[dict[str, Any], dict[str, Any]]] = {
             "direction": -1,
             "gear": 3.0,
             "torque_constant": 0.05,
-            "amplifier": 0.3,
+            "amplifier": 0.6,
             "bias": 0.013,
-            "low": -8.0,
-            "high": 8.0,
+            "low": -9.0,
+            "high": 9.0,
             "low_code": -300,
             "high_code": 300,
         }.items()
@@ -299,7 +312,10 @@ def effect(document: dict[str, Any], folder: Any) -> Any:
         )
     )
     said = CliRunner().invoke(cli, ["check", str(scenario)])
-    file = parse_file(document)
+    try:
+        file = parse_file(document)
+    except CohapticError as error:
+        return str(error)
     return (
         exchanges(file) if file.driver == "mock" else "another driver",
         warnings_of(mock(Puppet(), file=file)) if file.driver == "mock" else [],

@@ -33,9 +33,9 @@ geometry: {proximal: 0.1, distal: 0.165, base: 0.085}
 joints:
   - {direction: 1, offset: 0.1, counts_per_turn: 20000.0, drive: {bias: 0.5, gear: 1}}
   - {}
-limits: {torque: 0.2, ramp_time: 2}
+limits: {torque: 0.17, ramp_time: 2}
 loosened: {torque: "the motors' rated stall torque"}
-workspace: {left: -0.1, right: 0.2, bottom: 0.1, top: 0.25}
+workspace: {left: -0.05, right: 0.15, bottom: 0.1, top: 0.25}
 settings: {watchdog: {timeout: 0.02}, digital_outputs: 16}
 watchdog_proof: {date: 2026-03-01, timeout: 0.02, fired_after: 0.05, serial: 5573}
 """,
