@@ -86,9 +86,16 @@ class Forgetful:
 
 
 class MemorySink:
-    """Keeps everything in memory; for tests, short runs and analysis."""
+    """Keeps everything in memory; for tests, short runs and analysis.
 
-    def __init__(self) -> None:
+    Where ``ticks`` says how long the run is, all rows of a group lie in one array from the start,
+    and a sink that is used again for a run of the same length keeps its arrays.
+    """
+
+    def __init__(self, ticks: int | None = None) -> None:
+        self._ticks = ticks
+        self._arrays: list[Rows] = []
+        self._filled: list[int] = []
         self.groups: tuple[RecordGroup, ...] = ()
         self.base_rate = Fraction(1)
         self._blocks: list[list[Rows]] = []
@@ -96,25 +103,36 @@ class MemorySink:
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """Forget what was recorded before."""
+        if self._ticks is not None and (self.groups is not groups or not self._arrays):
+            self._arrays = [
+                np.zeros((-(-self._ticks // group.period), len(group.columns)), dtype=np.int64)
+                for group in groups
+            ]
         self.groups = tuple(groups)
         self.base_rate = base_rate
         self._blocks = [[] for _ in groups]
+        self._filled = [0 for _ in groups]
 
     def buffer(self, group: int, rows: int) -> Rows:
         """A fresh block."""
+        if self._arrays:
+            return self._arrays[group][self._filled[group] : self._filled[group] + rows]
         block = np.zeros((rows, len(self.groups[group].columns)), dtype=np.int64)
         self._open[group] = block
         return block
 
     def commit(self, group: int, first_tick: int, rows: int) -> None:
         """Keep the filled part; rows follow each other without a gap."""
-        kept = sum(len(block) for block in self._blocks[group])
-        if first_tick != kept * self.groups[group].period:
+        if first_tick != self._filled[group] * self.groups[group].period:
             raise AssertionError(f"rows of {self.groups[group].name} do not follow each other")
-        self._blocks[group].append(self._open.pop(group)[:rows])
+        self._filled[group] += rows
+        if not self._arrays:
+            self._blocks[group].append(self._open.pop(group)[:rows])
 
     def rows(self, group: int) -> Rows:
         """All rows of a group, shape (rows, columns)."""
+        if self._arrays:
+            return self._arrays[group][: self._filled[group]]
         width = len(self.groups[group].columns)
         return np.concatenate(self._blocks[group] or [np.zeros((0, width), dtype=np.int64)])
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from bisect import bisect_left
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -24,9 +24,8 @@ from cosim.base.recording import Column
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
-from cosim.record.old_meaning import old_meaning
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
-from cosim.record.table import TABLE, read_table
+from cosim.record.stores import FileStore, GroupStore
 
 RUN_FILE = "run.h5"
 MANIFEST_FILE = "manifest.json"
@@ -42,14 +41,14 @@ READABLE = range(1, FORMAT_VERSION + 1)
 class SignalGroup:
     """Signals recorded at one rate. ``name`` is the rate's; ``period`` is in base ticks."""
 
-    def __init__(self, run: Run, name: str, node: Any) -> None:
+    def __init__(self, run: Run, name: str, store: GroupStore) -> None:
         self.run = run
         self.name = name
-        self.period = int(node.attrs["period"])
-        self.rows = int(node["rows"][()])
-        self.capacity = int(node["tick"].shape[0])
+        self.period = store.period
+        self.rows = store.rows
+        self.capacity = store.capacity
         """Rows that the file has room for; more than ``rows`` where a run was cut off."""
-        self._node = node
+        self._store = store
 
     @property
     def rate(self) -> Fraction:
@@ -59,17 +58,7 @@ class SignalGroup:
     @cached_property
     def signals(self) -> Mapping[str, RecordedSignal]:
         """The group's signals by name, in the order in which they were recorded."""
-        if TABLE in self._node:
-            found = [
-                RecordedSignal(self, column, self._node[place], row)
-                for column, place, row in read_table(self._node)
-            ]
-        else:  # format 1: a dataset for each signal
-            found = [
-                RecordedSignal(self, _described(node), node, None)
-                for key, node in self._node.items()
-                if key not in {"rows", "tick"}
-            ]
+        found = [RecordedSignal(self, *place) for place in self._store.places()]
         return MappingProxyType({signal.name: signal for signal in found})
 
     @property
@@ -79,7 +68,7 @@ class SignalGroup:
 
     def ticks_of(self, start: int, stop: int) -> NDArray[np.int64]:
         """Base ticks of rows ``start`` to ``stop``; only those are read."""
-        return self._node["tick"][start : min(stop, self.rows)]
+        return self._store.ticks(start, min(stop, self.rows))
 
     @property
     def time(self) -> NDArray[np.float64]:
@@ -88,8 +77,18 @@ class SignalGroup:
 
     def first_row_at(self, tick: int) -> int:
         """The first row whose tick is ``tick`` or later; ``rows`` if there is none."""
-        ticks = self._node["tick"]
-        return bisect_left(range(self.rows), tick, key=lambda row: int(ticks[row]))
+        if self._is_regular:
+            return min(max(-(-tick // self.period), 0), self.rows)
+        ticks = self._store.ticks
+        return bisect_left(range(self.rows), tick, key=lambda row: int(ticks(row, row + 1)[0]))
+
+    @cached_property
+    def _is_regular(self) -> bool:
+        """Whether row i is that of tick i · period: rows come in order, a period apart at least."""
+        if self.rows == 0:
+            return True
+        first, last = (int(self._store.ticks(row, row + 1)[0]) for row in (0, self.rows - 1))
+        return first == 0 and last == (self.rows - 1) * self.period
 
     def pieces(self, start: int = 0, stop: int | None = None) -> Iterator[tuple[int, int]]:
         """Rows ``start`` to ``stop`` cut into ranges, so that a long run need not fit in memory."""
@@ -167,37 +166,25 @@ class RecordedSignal:
         return statistics.summary(0)
 
 
-def _described(dataset: Any) -> Column:
-    """What a dataset of format 1 says about its signal."""
-    attributes = dataset.attrs
-    name = str(attributes["name"])
-    items: dict[str, str] = json.loads(str(attributes.get("items", "{}")))
-    meaning, slot = old_meaning(name)
-    return Column(
-        name=name,
-        unit=str(attributes["unit"]) or None,
-        is_float=dataset.dtype.kind == "f",
-        description=str(attributes.get("description", "")),
-        causality=str(attributes["causality"]),
-        items=tuple((int(value), item) for value, item in items.items()),
-        meaning=meaning,
-        belongs_to=slot,
-    )
-
-
 class Run:
     """A run folder that is open for reading; a context manager."""
 
-    def __init__(self, folder: Path, file: Any, manifest: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        stores: Mapping[str, GroupStore],
+        base_rate: Fraction,
+        manifest: Mapping[str, Any],
+        close: Callable[[], object],
+    ) -> None:
         self.folder = folder
         self.manifest: Mapping[str, Any] = manifest
         """What ran, where, and how it ended; see docs/record.md. Empty where there is none."""
-        self._file = file
-        numerator, denominator = (int(part) for part in file.attrs["base_rate"])
-        self.base_rate = Fraction(numerator, denominator)
+        self._close = close
+        self.base_rate = base_rate
         """Base ticks a second (Hz)."""
         self.groups: Mapping[str, SignalGroup] = MappingProxyType(
-            {name: SignalGroup(self, name, node) for name, node in file.items()}
+            {name: SignalGroup(self, name, store) for name, store in stores.items()}
         )
 
     @cached_property
@@ -244,7 +231,7 @@ class Run:
 
     def close(self) -> None:
         """Close the file; signals cannot be read afterwards."""
-        self._file.close()
+        self._close()
 
     def __enter__(self) -> Run:
         return self
@@ -274,7 +261,10 @@ def open_run(path: str | Path) -> Run:
         file.close()
         what = "it is not a run record" if found is None else f"its format is {found}"
         raise InputError(f"{target}: {what}; this version reads formats 1 to {FORMAT_VERSION}.")
-    return Run(folder, file, read_manifest(folder))
+    numerator, denominator = (int(part) for part in file.attrs["base_rate"])
+    stores = {name: FileStore(node) for name, node in file.items()}
+    rate = Fraction(numerator, denominator)
+    return Run(folder, stores, rate, read_manifest(folder), file.close)
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

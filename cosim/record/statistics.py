@@ -31,6 +31,11 @@ class Statistics:
     std: float
     changes: int
 
+    @property
+    def largest(self) -> float:
+        """The largest size (NaN where there is no number)."""
+        return max(abs(self.minimum), abs(self.maximum))
+
     def as_dict(self) -> dict[str, Any]:
         """For JSON: NaN as ``None``."""
         return {

@@ -28,8 +28,7 @@ from cosim.base.document.show import show
 from cosim.base.errors import InputError, InputErrors
 from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.suggest import did_you_mean
-from cosim.record.reader import Run
-from cosim.report.measures import SCENARIO_MEASURES, TickRange
+from cosim.report.measures import SCENARIO_MEASURES, Inspection, TickRange
 from cosim.report.target import Target, parse_target
 from cosim.report.window import MEASURES, measure
 from cosim.scenario import Scenario
@@ -126,24 +125,29 @@ def parse_expectations(scenario: Scenario, recorded: Mapping[str, str]) -> list[
     return found
 
 
-def evaluate(run: Run, expectations: Sequence[Expectation]) -> list[Verdict]:
+def evaluate(measured: Inspection, expectations: Sequence[Expectation]) -> list[Verdict]:
     """Measure and compare, each in its window."""
-    return [_evaluate(run, expectation) for expectation in expectations]
+    return [_evaluate(measured, expectation) for expectation in expectations]
 
 
-def _evaluate(run: Run, asked: Expectation) -> Verdict:
+def _evaluate(measured: Inspection, asked: Expectation) -> Verdict:
+    run = measured.run
     if asked.target is None:
-        found = SCENARIO_MEASURES[asked.text].take(run, asked.window)
+        found = measured.value(asked.text, asked.window)
         low = high = math.nan if found is None else found
     else:
         first, last = asked.window or (0, run.ticks)
-        window = measure(run, asked.target, first, last, asked.frequency)
+        window = (
+            measured.window(asked.target, first, last)
+            if asked.frequency is None
+            else measure(run, asked.target, first, last, asked.frequency)
+        )
         if window.rows == 0 or window.statistics.missing:
             low = high = math.nan
         elif asked.measure:
             low = high = MEASURES[asked.measure](window)
         else:
-            low, high = window.statistics.minimum, window.statistics.maximum
+            low, high = window.minimum, window.maximum
     return Verdict(asked, low, high, COMPARISONS[asked.comparison](low, high, asked.limit))
 
 

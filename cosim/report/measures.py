@@ -12,14 +12,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.report.platform import Contact, RecordedPlatform, find_platform
+from cosim.report.platform import Contact, platform_of
 from cosim.report.target import Target, aligned
-from cosim.report.window import measure
+from cosim.report.window import MEASURES, Window, measure
 
 TickRange = tuple[int, int]
 """Base ticks, the second one not included."""
@@ -28,120 +29,141 @@ SETTLING = 0.5
 """From the first common contact to the hold phase (s)."""
 
 
+class Inspection:
+    """A run under measurement: what several measures need of it is found once."""
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.platform = platform_of(run)
+        self._windows: dict[tuple[Target, TickRange], Window] = {}
+        self._values: dict[tuple[str, TickRange | None], float | None] = {}
+
+    def value(self, name: str, window: TickRange | None = None) -> float | None:
+        """A scenario measure over a window, or over the range that it chooses itself."""
+        key = (name, window)
+        if key not in self._values:
+            self._values[key] = SCENARIO_MEASURES[name].function(self, window)
+        return self._values[key]
+
+    def window(self, target: Target, first: int, last: int) -> Window:
+        """A target's statistics over ``first`` <= tick < ``last``."""
+        key = (target, (first, last))
+        if key not in self._windows:
+            self._windows[key] = measure(self.run, target, first, last)
+        return self._windows[key]
+
+    @cached_property
+    def hold_phase(self) -> tuple[TickRange, tuple[Contact, ...]] | None:
+        """The hold phase and the contacts that count; ``None`` if the box is never held by all."""
+        run = self.run
+        touching = tuple(each for each in self.platform.contacts if _ever(run, each))
+        if not touching:
+            return None
+        for ticks, states in aligned(run, [contact.state for contact in touching], 0, run.ticks):
+            together = np.logical_and.reduce([state != 0 for state in states])
+            if together.any():
+                first = int(ticks[np.argmax(together)]) + math.ceil(SETTLING * run.base_rate)
+                return (min(first, run.ticks), run.ticks), touching
+        return None
+
+    def held(self, window: TickRange | None) -> tuple[TickRange, tuple[Contact, ...]] | None:
+        """The hold phase, or a window in its place, and the contacts that count."""
+        phase = self.hold_phase
+        return phase if phase is None or window is None else (window, phase[1])
+
+
 @dataclass(frozen=True, slots=True)
 class ScenarioMeasure:
     """A number about a run, in an SI ``unit``; ``None`` where it does not apply."""
 
     unit: str
     description: str
-    function: Callable[[Run, RecordedPlatform, TickRange | None], float | None]
+    function: Callable[[Inspection, TickRange | None], float | None]
     of_hold_phase: bool = False
 
-    def take(self, run: Run, window: TickRange | None = None) -> float | None:
-        """Measure over a window, or over the range that the measure itself chooses."""
-        return self.function(run, find_platform(run.signals), window)
 
-
-def hold_phase(
-    run: Run, platform: RecordedPlatform
-) -> tuple[TickRange, tuple[Contact, ...]] | None:
-    """The hold phase and the contacts that count; ``None`` if the box is never held by all."""
-    touching = tuple(contact for contact in platform.contacts if _ever(run, contact))
-    if not touching:
-        return None
-    for ticks, states in aligned(run, [contact.state for contact in touching], 0, run.ticks):
-        together = np.logical_and.reduce([state != 0 for state in states])
-        if together.any():
-            first = int(ticks[np.argmax(together)]) + math.ceil(SETTLING * run.base_rate)
-            return (min(first, run.ticks), run.ticks), touching
-    return None
-
-
-def _held(
-    run: Run, platform: RecordedPlatform, window: TickRange | None
-) -> tuple[TickRange, tuple[Contact, ...]] | None:
-    phase = hold_phase(run, platform)
-    return phase if phase is None or window is None else (window, phase[1])
-
-
-def _contact_losses(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    held = _held(run, platform, window)
+def _contact_losses(measured: Inspection, window: TickRange | None) -> float | None:
+    held = measured.held(window)
     if held is None:
         return None
     (first, last), contacts = held
-    return sum(measure(run, _one(contact.state), first, last).losses for contact in contacts)
+    return sum(measured.window(_one(contact.state), first, last).losses for contact in contacts)
 
 
-def _held_fraction(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    held = _held(run, platform, window)
+def _held_fraction(measured: Inspection, window: TickRange | None) -> float | None:
+    held = measured.held(window)
     if held is None:
-        return 0.0 if platform.contacts else None
+        return 0.0 if measured.platform.contacts else None
     (first, last), contacts = held
     rows = held_rows = 0
-    for ticks, states in aligned(run, [contact.state for contact in contacts], first, last):
+    for ticks, states in aligned(
+        measured.run, [contact.state for contact in contacts], first, last
+    ):
         rows += ticks.size
         held_rows += int(np.count_nonzero(np.logical_and.reduce([s != 0 for s in states])))
     return held_rows / rows if rows else None
 
 
-def _force_ripple(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    return _over_forces(run, platform, window, "std", max)
+def _force_ripple(measured: Inspection, window: TickRange | None) -> float | None:
+    return _over_forces(measured, window, "std", max)
 
 
-def _grip_force(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    return _over_forces(run, platform, window, "mean", min)
+def _grip_force(measured: Inspection, window: TickRange | None) -> float | None:
+    return _over_forces(measured, window, "mean", min)
 
 
 def _over_forces(
-    run: Run,
-    platform: RecordedPlatform,
+    measured: Inspection,
     window: TickRange | None,
-    statistic: str,
+    name: str,
     choose: Callable[[list[float]], float],
 ) -> float | None:
-    held = _held(run, platform, window)
+    held = measured.held(window)
     if held is None:
         return None
     (first, last), contacts = held
     found: list[float] = [
-        getattr(measure(run, _one(contact.normal_force), first, last).statistics, statistic)
+        MEASURES[name](measured.window(_one(contact.normal_force), first, last))
         for contact in contacts
         if contact.normal_force is not None
     ]
     return choose(found) if found else None
 
 
-def _drift(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    return _over_copies(run, platform, window, slice(0, 2), "maximum")
+def _drift(measured: Inspection, window: TickRange | None) -> float | None:
+    return _over_copies(measured, window, slice(0, 2), "max")
 
 
-def _drift_rms(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    return _over_copies(run, platform, window, slice(0, 2), "rms")
+def _drift_rms(measured: Inspection, window: TickRange | None) -> float | None:
+    return _over_copies(measured, window, slice(0, 2), "rms")
 
 
-def _drift_angle(run: Run, platform: RecordedPlatform, window: TickRange | None) -> float | None:
-    return _over_copies(run, platform, window, slice(2, 3), "maximum")
+def _drift_angle(measured: Inspection, window: TickRange | None) -> float | None:
+    return _over_copies(measured, window, slice(2, 3), "max")
 
 
 def _over_copies(
-    run: Run, platform: RecordedPlatform, window: TickRange | None, parts: slice, statistic: str
+    measured: Inspection, window: TickRange | None, parts: slice, name: str
 ) -> float | None:
-    first, last = window or (0, run.ticks)
+    first, last = window or (0, measured.run.ticks)
     found: list[float] = []
-    for one, other in combinations(platform.copies, 2):
-        target = Target("", platform.poses[one][parts], platform.poses[other][parts], is_norm=True)
-        found.append(getattr(measure(run, target, first, last).statistics, statistic))
+    for one, other in combinations(measured.platform.copies, 2):
+        target = Target(
+            "",
+            measured.platform.poses[one][parts],
+            measured.platform.poses[other][parts],
+            is_norm=True,
+        )
+        found.append(MEASURES[name](measured.window(target, first, last)))
     return max(found) if found else None
 
 
-def _box_displacement(
-    run: Run, platform: RecordedPlatform, window: TickRange | None
-) -> float | None:
-    first, last = window or (0, run.ticks)
+def _box_displacement(measured: Inspection, window: TickRange | None) -> float | None:
+    first, last = window or (0, measured.run.ticks)
     found: list[float] = []
-    for pose in platform.poses.values():
+    for pose in measured.platform.poses.values():
         start: list[float] | None = None
-        for _, values in aligned(run, pose[:2], first, last):
+        for _, values in aligned(measured.run, pose[:2], first, last):
             start = start or [float(value[0]) for value in values]
             found.append(
                 float(np.hypot(values[0] - start[0], values[1] - start[1]).max(initial=0.0))
@@ -149,15 +171,23 @@ def _box_displacement(
     return max(found) if found else None
 
 
-def _wall_penetration(
-    run: Run, platform: RecordedPlatform, window: TickRange | None
-) -> float | None:
-    first, last = window or (0, run.ticks)
+def _wall_penetration(measured: Inspection, window: TickRange | None) -> float | None:
+    first, last = window or (0, measured.run.ticks)
     found = [
-        measure(run, _one(name), first, last).statistics.maximum
-        for name in platform.depths.values()
+        measured.window(_one(name), first, last).maximum
+        for name in measured.platform.depths.values()
     ]
     return max(found) if found else None
+
+
+def signals_of(run: Run) -> set[str]:
+    """The signals that the measures read."""
+    platform = platform_of(run)
+    found = {name for pose in platform.poses.values() for name in pose}
+    found |= set(platform.depths.values())
+    for contact in platform.contacts:
+        found |= {contact.state, *((contact.normal_force,) if contact.normal_force else ())}
+    return found
 
 
 def _one(name: str) -> Target:

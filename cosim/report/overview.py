@@ -15,7 +15,7 @@ from cosim.record.reader import Run
 from cosim.record.statistics import ColumnSummary
 from cosim.report.panels import draw_contacts, draw_drift, draw_series
 from cosim.report.path_panel import draw_path
-from cosim.report.platform import find_platform
+from cosim.report.platform import platform_of
 from cosim.report.summary import headlines
 
 SIZE = (12.0, 7.2)
@@ -50,7 +50,7 @@ def draw_overview(
         )
         if run.ticks == 0:
             figure.text(0.5, 0.5, "nothing was recorded", ha="center", color="0.4")
-        elif find_platform(run.signals).copies:
+        elif platform_of(run).copies:
             _draw_platform(figure, run, summaries)
         else:
             _draw_signals(figure, run, summaries)
@@ -62,7 +62,7 @@ def draw_overview(
 
 
 def _draw_platform(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]) -> None:
-    platform = find_platform(run.signals)
+    platform = platform_of(run)
     forces = {
         contact.normal_force: str(contact)
         for contact in platform.contacts

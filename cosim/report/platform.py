@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 from cosim.base.meaning import Meaning, Slot
-from cosim.record.reader import RecordedSignal
+from cosim.record.reader import RecordedSignal, Run
 
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 TIP = (Meaning.FINGER_X, Meaning.FINGER_Y)
@@ -85,6 +86,16 @@ def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
             for slot in _slots(meant, Meaning.CONTACT_STATE)
         ]
     return RecordedPlatform(poses, tuple(contacts), tips, depths)
+
+
+_FOUND: WeakKeyDictionary[Run, RecordedPlatform] = WeakKeyDictionary()
+
+
+def platform_of(run: Run) -> RecordedPlatform:
+    """What of the platform a run has recorded; looked for once."""
+    if run not in _FOUND:
+        _FOUND[run] = find_platform(run.signals)
+    return _FOUND[run]
 
 
 def _slots(meant: Iterable[tuple[Meaning, Slot]], meaning: Meaning) -> list[Slot]:

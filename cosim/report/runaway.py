@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation
 
 BOUNDS: Mapping[str, float] = {
@@ -50,11 +49,12 @@ class Runaway:
 
 
 def runaways(
-    run: Run, summaries: Mapping[str, ColumnSummary], expectations: Iterable[Expectation] = ()
+    run: Run, largest: Mapping[str, float], expectations: Iterable[Expectation] = ()
 ) -> list[Runaway]:
     """Every recorded signal that ran away, the first one first.
 
-    A signal that the scenario has an expectation of is judged by that alone.
+    ``largest`` is the largest size that each signal had. A signal that the scenario has an
+    expectation of is judged by that alone.
     """
     judged = {
         name for each in expectations if each.target is not None for name in each.target.signals
@@ -62,11 +62,10 @@ def runaways(
     found: list[Runaway] = []
     for name, signal in run.signals.items():
         bound = BOUNDS.get(signal.unit, OTHERWISE)
-        numbers = summaries[name].statistics
-        largest = max(abs(numbers.minimum), abs(numbers.maximum))
-        if not signal.is_float or name in judged or not largest > bound:
+        size = largest[name]
+        if not signal.is_float or name in judged or not size > bound:
             continue
         row = int(np.argmax(np.abs(signal.values) > bound))
         since = float(signal.group.ticks_of(row, row + 1)[0] / run.base_rate)
-        found.append(Runaway(name, signal.unit, bound, since, largest))
+        found.append(Runaway(name, signal.unit, bound, since, size))
     return sorted(found, key=lambda each: (each.since, each.signal))

@@ -6,7 +6,6 @@ Everything in the object is in SI units; docs/record.md lists its members.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +14,10 @@ from typing import Any
 from cosim.base.meaning import Meaning
 from cosim.record.reader import RecordedSignal, Run
 from cosim.record.statistics import ColumnSummary
-from cosim.report.expectation import Expectation, evaluate
-from cosim.report.measures import SCENARIO_MEASURES, TickRange
+from cosim.report.expectation import Expectation
+from cosim.report.judged import judge
+from cosim.report.measures import SCENARIO_MEASURES
 from cosim.report.quantities import human, table
-from cosim.report.runaway import runaways
 
 SUMMARY_FILE = "summary.json"
 
@@ -66,16 +65,16 @@ def summarise(
     """
     if summaries is None:
         summaries = {name: signal.summary() for name, signal in run.signals.items()}
-    verdicts = evaluate(run, expectations)
+    largest = {name: each.statistics.largest for name, each in summaries.items()}
+    judged = judge(run, expectations, largest)
+    verdicts, away = judged.verdicts, judged.runaways
     manifest = run.manifest
     ending = manifest.get("exit") or {"status": 1, "message": "The run was cut off."}
-    met = all(verdict.passed for verdict in verdicts)
-    away = runaways(run, summaries, expectations)
     content: dict[str, Any] = {
         "scenario": manifest.get("scenario", {}).get("name", ""),
         "title": manifest.get("scenario", {}).get("title", ""),
         "run": str(run.folder),
-        "status": ending["status"] or (0 if met and not away else 1),
+        "status": ending["status"] or int(not judged.is_good),
         "message": ending["message"],
         "ticks": run.ticks,
         "planned_ticks": manifest.get("scenario", {}).get("ticks"),
@@ -83,10 +82,10 @@ def summarise(
         "simulated_time": float(run.ticks / run.base_rate),
         **(manifest.get("timing") or {}),
         "recorded": _recorded(run),
-        "measures": take_measures(run, expectations),
+        "measures": judged.measures,
         "expectations": [verdict.as_dict() for verdict in verdicts],
-        "passed": met if verdicts else None,
-        "failures": [str(verdict) for verdict in verdicts if not verdict.passed],
+        "passed": not judged.failures if verdicts else None,
+        "failures": judged.failures,
         "runaways": [str(each) for each in away],
         "channels": manifest.get("channels") or {},
         "deadlines": manifest.get("deadlines"),
@@ -106,25 +105,6 @@ def read_summary(folder: Path) -> Summary | None:
         return Summary(json.loads((folder / SUMMARY_FILE).read_text(encoding="utf-8")))
     except (OSError, json.JSONDecodeError):
         return None
-
-
-def take_measures(run: Run, expectations: Sequence[Expectation]) -> dict[str, float]:
-    """Every scenario measure that applies, in the window of the scenario's own expectation of it.
-
-    Measures of the hold phase without a window of their own share the one given for
-    ``contact_losses``, so that all speak of the same time.
-    """
-    windows: dict[str, TickRange] = {}
-    for expectation in expectations:
-        if expectation.target is None and expectation.window is not None:
-            windows.setdefault(expectation.text, expectation.window)
-    hold = windows.get("contact_losses")
-    found: dict[str, float] = {}
-    for name, measure in SCENARIO_MEASURES.items():
-        value = measure.take(run, windows.get(name, hold if measure.of_hold_phase else None))
-        if value is not None and not math.isnan(value):
-            found[name] = value
-    return found
 
 
 def facts(content: Mapping[str, Any]) -> str:

@@ -76,7 +76,13 @@ def aligned(
     start, stop = group.first_row_at(first), group.first_row_at(min(last, covered))
     for low, high in group.pieces(start, stop):
         ticks = group.ticks_of(low, high)
-        yield ticks, [_held(signal, ticks) for signal in signals]
+        yield (
+            ticks,
+            [
+                signal[low:high] if signal.group is group else _held(signal, ticks)
+                for signal in signals
+            ],
+        )
 
 
 def blocks(
@@ -110,7 +116,7 @@ def _combine(target: Target, held: list[Values]) -> Values:
     count = len(target.plus)
     if not target.is_norm and not target.minus:
         return held[0]
-    values = [value.astype(np.float64) for value in held]
+    values = [value.astype(np.float64, copy=False) for value in held]
     differences = values[:count]
     if target.minus:
         differences = [a - b for a, b in zip(differences, values[count:], strict=True)]

@@ -30,7 +30,9 @@ class Window:
         self.last = math.nan
         self.losses = 0
         """How often the value fell from anything to zero."""
-        self._statistics = ColumnStatistics(np.array([True]), ANY_LENGTH, bins=1)
+        self._statistics: ColumnStatistics | None = None
+        self._waiting: NDArray[np.float64] | None = None
+        """The last rows taken: where they are all there are, an extreme needs no statistics."""
         self._normal = np.zeros((3, 3))
         self._right = np.zeros(3)
 
@@ -40,10 +42,12 @@ class Window:
             return
         if self.rows == 0:
             self.first = self.last = float(values[0])
-        held = np.concatenate(([self.last], values)) != 0
-        self.losses += int(np.count_nonzero(held[:-1] & ~held[1:]))
+        ended = (values[:-1] != 0) & (values[1:] == 0)
+        self.losses += int(np.count_nonzero(ended)) + int(self.last != 0 and values[0] == 0)
         self.last = float(values[-1])
-        self._statistics.update(np.ascontiguousarray(values).view(np.int64)[None])
+        if self._waiting is not None:
+            self._merge(self._waiting)
+        self._waiting = values
         if self.frequency is not None:
             angle = self.frequency * time
             basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
@@ -53,12 +57,39 @@ class Window:
     @property
     def rows(self) -> int:
         """Rows taken so far."""
-        return self._statistics.rows
+        waiting = 0 if self._waiting is None else self._waiting.size
+        return waiting + (0 if self._statistics is None else self._statistics.rows)
+
+    @property
+    def minimum(self) -> float:
+        """The least value; NaN where there is none."""
+        if self._statistics is None and self._waiting is not None:
+            return float(np.fmin.reduce(self._waiting))
+        return self.statistics.minimum
+
+    @property
+    def maximum(self) -> float:
+        """The greatest value; NaN where there is none."""
+        if self._statistics is None and self._waiting is not None:
+            return float(np.fmax.reduce(self._waiting))
+        return self.statistics.maximum
 
     @property
     def statistics(self) -> Statistics:
         """Extremes, mean and the like."""
-        return self._statistics[0]
+        if self._waiting is not None:
+            self._merge(self._waiting)
+            self._waiting = None
+        return self._kept[0]
+
+    @property
+    def _kept(self) -> ColumnStatistics:
+        if self._statistics is None:
+            self._statistics = ColumnStatistics(np.array([True]), ANY_LENGTH, bins=1)
+        return self._statistics
+
+    def _merge(self, values: NDArray[np.float64]) -> None:
+        self._kept.update(np.ascontiguousarray(values).view(np.int64)[None])
 
     @property
     def amplitude(self) -> float:
@@ -70,10 +101,10 @@ class Window:
 
 
 MEASURES: dict[str, Callable[[Window], float]] = {
-    "min": lambda window: window.statistics.minimum,
-    "max": lambda window: window.statistics.maximum,
-    "max_abs": lambda window: max(abs(window.statistics.minimum), abs(window.statistics.maximum)),
-    "peak_to_peak": lambda window: window.statistics.maximum - window.statistics.minimum,
+    "min": lambda window: window.minimum,
+    "max": lambda window: window.maximum,
+    "max_abs": lambda window: max(abs(window.minimum), abs(window.maximum)),
+    "peak_to_peak": lambda window: window.maximum - window.minimum,
     "mean": lambda window: window.statistics.mean,
     "rms": lambda window: window.statistics.rms,
     "std": lambda window: window.statistics.std,

@@ -102,7 +102,7 @@ class ReferenceLoop:
         for bundle in self.assembly.wiring.bundles:
             self.packets.append([])
             count = -(-self.assembly.scenario.ticks // bundle.period)
-            self.fates.append(bundle.fates.take(count)[0])
+            self.fates.append(bundle.fates.begin().take(count)[0])
             self.first.append([])
         for name, participant in self.assembly.participants.items():
             description = participant.fmu

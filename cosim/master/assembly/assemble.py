@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from cosim.base.component import Causality, Component
@@ -48,11 +48,13 @@ def put_together(
     scenario: Scenario,
     instances: Mapping[str, Component] | None = None,
     kinds: Mapping[Kind, Factory] | None = None,
+    only: Collection[str] | None = None,
 ) -> Assembly:
     """Read every component, resolve every connection, order everything.
 
     ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
-    the master does not know, such as playback.
+    the master does not know, such as playback. Of what the scenario records, ``only`` these signals
+    are.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
@@ -65,6 +67,8 @@ def put_together(
     interfaces = {name: each.interface for name, each in participants.items()}
     wiring = wire(scenario, interfaces, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
+    if only is not None:
+        selected = [kept for group in selected if (kept := group.only(only)).signals]
     problems.raise_if_any()
 
     parts = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from cosim.base.component import Causality
@@ -27,6 +27,11 @@ class Selected:
 
     period: int
     signals: dict[str, Signal | PacketFact] = field(default_factory=dict[str, Signal | PacketFact])
+
+    def only(self, names: Collection[str]) -> Selected:
+        """The same without the others."""
+        kept = {name: signal for name, signal in self.signals.items() if name in names}
+        return Selected(self.period, kept)
 
 
 @dataclass(slots=True)

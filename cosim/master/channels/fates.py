@@ -7,7 +7,7 @@ block, or on what other channels do.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -19,23 +19,18 @@ from cosim.base.resumable import Resumable
 from cosim.scenario import Direction
 from cosim.scenario.impairments.effect import LOST, NO_COPY, Draw, Effect, PacketBlock
 
-__all__ = ["LOST", "NO_COPY", "Fates", "fates_of"]
+__all__ = ["LOST", "NO_COPY", "FateStream", "Fates", "fates_of"]
 
 _AGAIN = 1 << 16
 """Packets that are drawn again at a time."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Fates:
-    """The stream of fates of one direction of a channel at one rate.
-
-    Blocks must be asked for in order: what is drawn may depend on earlier packets.
-    """
+    """What one direction of a channel does to its packets at one rate; each run draws by itself."""
 
     direction: Direction
     key: int
-    _draws: list[Draw] = field(default_factory=list[Draw], init=False)
-    _next: int = field(default=0, init=False)
 
     @property
     def shortest(self) -> int:
@@ -52,9 +47,46 @@ class Fates:
         """Whether every packet arrives, all with the same delay."""
         return not self.direction.impairments
 
+    def begin(self) -> FateStream:
+        """The stream from its first packet on."""
+        return FateStream(self)
+
+    def effects(self) -> list[tuple[str, Effect]]:
+        """The impairments with their names, in the order in which they act."""
+        return sorted(
+            self.direction.impairments.items(), key=lambda entry: (entry[1].order, entry[0])
+        )
+
+    def draws(self) -> list[Draw]:
+        """Every impairment's draw at its first packet, in that order."""
+        return [effect.draw(self._key(name, effect)) for name, effect in self.effects()]
+
+    def _key(self, name: str, effect: Effect) -> int:
+        return stream_key(self.key, name) if effect.own_key else self.key
+
+    def _range(self) -> tuple[int, int]:
+        shortest = longest = self.direction.delay.ticks
+        for _, effect in self.effects():
+            shortest, longest = effect.range(shortest, longest)
+        return shortest, longest
+
+
+class FateStream:
+    """The fates of a direction's packets as one run draws them.
+
+    Blocks must be asked for in order: what is drawn may depend on earlier packets.
+    """
+
+    __slots__ = ("_draws", "_next", "fates")
+
+    def __init__(self, fates: Fates) -> None:
+        self.fates = fates
+        self._draws: list[Draw] = []
+        self._next = 0
+
     def save(self) -> dict[str, Any]:
         """How many packets were drawn, and what their draws remember, by impairment."""
-        kept = zip(self._effects(), self._draws, strict=False)
+        kept = zip(self.fates.effects(), self._draws, strict=False)
         return {
             "next": self._next,
             "draws": {name: draw.save() for (name, _), draw in kept if isinstance(draw, Resumable)},
@@ -70,48 +102,30 @@ class Fates:
         self._next = 0
         if drawn == 0:
             return
+        self._draws = self.fates.draws()
+        named = list(zip(self.fates.effects(), self._draws, strict=True))
         forgetful = [
             name
-            for name, draw in self._begin()
-            if self.direction.impairments[name].remembers and not isinstance(draw, Resumable)
+            for (name, effect), draw in named
+            if effect.remembers and not isinstance(draw, Resumable)
         ]
         while forgetful and self._next < drawn:
             self.take(min(drawn - self._next, _AGAIN))
         self._next = drawn
-        for (name, _), draw in zip(self._effects(), self._draws, strict=True):
+        for (name, _), draw in zip(self.fates.effects(), self._draws, strict=True):
             if isinstance(draw, Resumable):
                 draw.load(kept[name])
-
-    def _begin(self) -> list[tuple[str, Draw]]:
-        """Every draw at its first packet, with the name of its impairment."""
-        effects = self._effects()
-        self._draws = [effect.draw(self._key(name, effect)) for name, effect in effects]
-        return [(name, draw) for (name, _), draw in zip(effects, self._draws, strict=True)]
 
     def take(self, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The delays (ticks, -1 lost) of the next packets and of their copies (-1 none)."""
         if self._next == 0:
-            self._begin()
+            self._draws = self.fates.draws()
         first, self._next = self._next, self._next + count
-        delays = np.full(count, self.direction.delay.ticks, dtype=np.int64)
+        delays = np.full(count, self.fates.direction.delay.ticks, dtype=np.int64)
         packets = PacketBlock(first, delays, np.full(count, NO_COPY, dtype=np.int64))
         for draw in self._draws:
             draw(packets)
         return packets.delays, packets.copies
-
-    def _effects(self) -> list[tuple[str, Effect]]:
-        return sorted(
-            self.direction.impairments.items(), key=lambda entry: (entry[1].order, entry[0])
-        )
-
-    def _key(self, name: str, effect: Effect) -> int:
-        return stream_key(self.key, name) if effect.own_key else self.key
-
-    def _range(self) -> tuple[int, int]:
-        shortest = longest = self.direction.delay.ticks
-        for _, effect in self._effects():
-            shortest, longest = effect.range(shortest, longest)
-        return shortest, longest
 
 
 def fates_of(seed: int, channel: str, way: str, rate: Fraction, direction: Direction) -> Fates:

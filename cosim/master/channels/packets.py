@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.wiring import Bundle
-from cosim.master.channels.fates import NO_COPY
+from cosim.master.channels.fates import NO_COPY, FateStream
 from cosim.master.kernel.native import BundleStruct
 
 BLOCK = 1024
@@ -47,6 +47,7 @@ class Packets:
 
     def __init__(self, bundles: Sequence[Bundle], layout: Layout, cells: NDArray[np.int64]) -> None:
         self.bundles = bundles
+        self._streams: list[FateStream] = [bundle.fates.begin() for bundle in bundles]
         self.structs: Any = (BundleStruct * max(len(bundles), 1))()
         self._cells = cells
         self._keep: list[NDArray[Any]] = []
@@ -65,7 +66,7 @@ class Packets:
             left = struct.fate_count - used
             if left >= BLOCK:
                 continue
-            fresh = self.bundles[number].fates.take(2 * BLOCK - left)
+            fresh = self._streams[number].take(2 * BLOCK - left)
             for table, drawn in zip((delays, copies), fresh, strict=True):
                 table[:left] = table[used : used + left].copy()
                 table[left:] = drawn
@@ -88,7 +89,7 @@ class Packets:
         if number in self._fates:
             arrays["fates"] = np.array(self._fates[number])
         values = {name: int(getattr(struct, name)) for name in _KEPT}
-        return values | {"draws": self.bundles[number].fates.save()}, arrays
+        return values | {"draws": self._streams[number].save()}, arrays
 
     def load(
         self, number: int, values: Mapping[str, Any], arrays: Mapping[str, NDArray[np.int64]]
@@ -109,7 +110,7 @@ class Packets:
         if number in self._fates:
             for table, saved in zip(self._fates[number], arrays["fates"], strict=True):
                 table[:] = saved
-        self.bundles[number].fates.load(values["draws"])
+        self._streams[number].load(values["draws"])
         self._flight[number][:, :flying] = arrays["flight"]
         self._payload[number][:flying] = arrays["payload"]
         for name, value in kept.items():

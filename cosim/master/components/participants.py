@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,37 @@ class Participant:
     fmu: FmuDescription | None = None
     substeps: int = 1
     component: Component | None = None
+    """What was asked for its variables; a run takes its own from ``supply``."""
+    supply: Supply | None = None
     methods: frozenset[str] = field(default_factory=frozenset[str])
+
+
+class Supply:
+    """Gives each run a component of its own: first the one that was read, then others like it.
+
+    One that was handed in, or that stands for a device, there is only once.
+    """
+
+    def __init__(self, name: str, first: Component, make: Callable[[], Component] | None) -> None:
+        self._name = name
+        self._first: Component | None = first
+        self._make = make
+
+    def take(self) -> Component:
+        """A component that no other run has.
+
+        Raises:
+            InputError: there is no other one.
+        """
+        first, self._first = self._first, None
+        if first is not None:
+            return first
+        if self._make is None:
+            raise InputError(
+                f"{self._name} exists only once and has served a run: assemble the scenario again "
+                "with another one."
+            )
+        return self._make()
 
 
 def read_participants(
@@ -62,15 +92,42 @@ def read_participants(
                 _read_fmu(written, bundled, clock, problems)
                 if written.kind is Kind.FMU
                 else _read_python(
-                    written,
-                    problems,
-                    (instances or {}).get(name) or _instance(written, scenario, kinds or {}),
+                    written, problems, _supplied(written, scenario, instances or {}, kinds or {})
                 )
             )
             clock.check_exact(scenario.ticks, participant.substeps, name)
             found[name] = participant
     _refuse_shared_libraries(found, problems)
     return found
+
+
+def other_values(
+    participant: Participant, written: scenarios.ScenarioComponent, problems: Problems
+) -> Participant | None:
+    """The same component with other parameters and start values.
+
+    ``None`` where they change what it is: a structural parameter, or a device.
+
+    Raises:
+        InputError: no such variable, or a value that does not fit.
+    """
+    if written.kind is Kind.DEVICE:
+        return None
+    if participant.component is not None:
+        parameters, start = _python_values(written, participant.interface, problems)
+        return replace(participant, parameters=parameters, start=start)
+    description = participant.fmu
+    assert description is not None
+    structural = {
+        name
+        for name, variable in description.variables.items()
+        if variable.causality is Causality.STRUCTURAL_PARAMETER
+    }
+    parameters = _values(written, description, "parameters", written.parameters, problems)
+    if any(parameters.get(name) != participant.parameters.get(name) for name in structural):
+        return None
+    start = _values(written, description, "start", written.start, problems)
+    return replace(participant, parameters=parameters, start=start)
 
 
 def setup_of(scenario: Scenario, participant: Participant) -> Setup:
@@ -169,6 +226,21 @@ def _values(
     return resolved
 
 
+def _supplied(
+    written: scenarios.ScenarioComponent,
+    scenario: Scenario,
+    instances: Mapping[str, Component],
+    kinds: Mapping[Kind, Factory],
+) -> tuple[Component, Supply]:
+    """A component, and where each run gets its own."""
+    given = instances.get(written.name)
+    if given is not None:
+        return given, Supply(written.name, given, None)
+    first = _instance(written, scenario, kinds)
+    again = None if written.kind is Kind.DEVICE else partial(_instance, written, scenario, kinds)
+    return first, Supply(written.name, first, again)
+
+
 def _instance(
     written: scenarios.ScenarioComponent, scenario: Scenario, kinds: Mapping[Kind, Factory]
 ) -> Component:
@@ -187,9 +259,28 @@ def _instance(
 
 
 def _read_python(
-    written: scenarios.ScenarioComponent, problems: Problems, component: Component
+    written: scenarios.ScenarioComponent,
+    problems: Problems,
+    supplied: tuple[Component, Supply],
 ) -> Participant:
+    component, supply = supplied
     interface = python.interface_of(written.name, component, feedthrough=written.feedthrough)
+    parameters, start = _python_values(written, interface, problems)
+    return Participant(
+        name=written.name,
+        period=written.period,
+        interface=interface,
+        parameters=parameters,
+        start=start,
+        component=component,
+        supply=supply,
+        methods=python.methods_of(component),
+    )
+
+
+def _python_values(
+    written: scenarios.ScenarioComponent, interface: Interface, problems: Problems
+) -> tuple[Values, Values]:
     declared = {
         name for name, v in interface.variables.items() if v.causality is Causality.PARAMETER
     }
@@ -203,15 +294,7 @@ def _read_python(
     for name, value in written.start.items():
         with problems.at(("components", written.name, "start", name)):
             start |= resolve_values(written.name, interface.variables, name, value, STARTABLE)
-    return Participant(
-        name=written.name,
-        period=written.period,
-        interface=interface,
-        parameters=parameters,
-        start=start,
-        component=component,
-        methods=python.methods_of(component),
-    )
+    return parameters, start
 
 
 def _refuse_shared_libraries(found: Mapping[str, Participant], problems: Problems) -> None:

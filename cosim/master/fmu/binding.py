@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import platform
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -105,6 +105,16 @@ class Binding(Protocol):
         """
         ...
 
+    def setter(
+        self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
+    ) -> Callable[[], int]:
+        """What sets variables of one type to these elements, as often as it is called.
+
+        Raises:
+            ValueError: a value does not fit the type.
+        """
+        ...
+
     def enter_configuration(self) -> int:
         """Enter configuration mode."""
         ...
@@ -147,6 +157,10 @@ class Binding(Protocol):
 
     def accessor_address(self, kind: VariableType, *, is_set: bool) -> int:
         """Where the set or get function of a type begins."""
+        ...
+
+    def reset(self) -> int | None:
+        """Go back to what ``instantiate`` made; ``None`` where the library cannot."""
         ...
 
     def terminate(self) -> int:

@@ -6,7 +6,7 @@ import ctypes
 import sys
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,7 @@ PROTOTYPES: dict[str, Prototype] = {
     "fmi2EnterInitializationMode": (c_int, (c_void_p,)),
     "fmi2ExitInitializationMode": (c_int, (c_void_p,)),
     "fmi2Terminate": (c_int, (c_void_p,)),
+    "fmi2Reset": (c_int, (c_void_p,)),
     **{
         f"fmi2{verb}{name}": (c_int, (c_void_p, References, c_size_t, POINTER(kind)))
         for name, kind in TYPES.values()
@@ -132,9 +133,20 @@ class Fmi2:
         Raises:
             ValueError: the value does not fit the type.
         """
+        return self.setter(kind, [reference], values)()
+
+    def setter(
+        self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
+    ) -> Callable[[], int]:
+        """What sets scalar variables of one type, as often as it is called.
+
+        Raises:
+            ValueError: a value does not fit the type.
+        """
         name, passed = TYPES[kind]
         array = texts(values) if passed is c_char_p else whole_or_real(passed, values)
-        return self._call(f"fmi2Set{name}", (ctypes.c_uint32 * 1)(reference), 1, array)
+        which = (ctypes.c_uint32 * len(references))(*references)
+        return partial(self._call, f"fmi2Set{name}", which, len(references), array)
 
     def enter_configuration(self) -> int:
         """FMI 2.0 has no configuration mode."""
@@ -183,6 +195,10 @@ class Fmi2:
     def accessor_address(self, kind: VariableType, *, is_set: bool) -> int:
         """Where the set or get function of a type begins."""
         return self._functions.address(f"fmi2{'Set' if is_set else 'Get'}{TYPES[kind][0]}")
+
+    def reset(self) -> int | None:
+        """Go back to what ``instantiate`` made; ``None`` where the library cannot."""
+        return self._call("fmi2Reset") if "fmi2Reset" in self._functions else None
 
     def terminate(self) -> int:
         """End the run."""

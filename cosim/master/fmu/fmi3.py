@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,7 @@ PROTOTYPES: dict[str, Prototype] = {
     "fmi3EnterConfigurationMode": (c_int, (c_void_p,)),
     "fmi3ExitConfigurationMode": (c_int, (c_void_p,)),
     "fmi3Terminate": (c_int, (c_void_p,)),
+    "fmi3Reset": (c_int, (c_void_p,)),
     **{
         f"fmi3{verb}{name}": (c_int, (c_void_p, References, c_size_t, POINTER(kind), c_size_t))
         for name, kind in TYPES.values()
@@ -139,10 +141,21 @@ class Fmi3:
         Raises:
             ValueError: a value does not fit the type.
         """
+        return self.setter(kind, [reference], values)()
+
+    def setter(
+        self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
+    ) -> Callable[[], int]:
+        """What sets the elements of variables of one type, as often as it is called.
+
+        Raises:
+            ValueError: a value does not fit the type.
+        """
         name, passed = TYPES[kind]
         array = texts(values) if passed is c_char_p else whole_or_real(passed, values)
-        references = (ctypes.c_uint32 * 1)(reference)
-        return self._call(f"fmi3Set{name}", references, 1, array, len(values))
+        which = (ctypes.c_uint32 * len(references))(*references)
+        count = len(references)
+        return partial(self._call, f"fmi3Set{name}", which, count, array, len(values))
 
     def enter_configuration(self) -> int:
         """Enter configuration mode."""
@@ -187,6 +200,10 @@ class Fmi3:
     def accessor_address(self, kind: VariableType, *, is_set: bool) -> int:
         """Where the set or get function of a type begins."""
         return self._functions.address(f"fmi3{'Set' if is_set else 'Get'}{TYPES[kind][0]}")
+
+    def reset(self) -> int | None:
+        """Go back to what ``instantiate`` made; ``None`` where the library cannot."""
+        return self._call("fmi3Reset") if "fmi3Reset" in self._functions else None
 
     def terminate(self) -> int:
         """End the run."""

@@ -25,6 +25,11 @@ from cosim.master.fmu.library import open_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
 from cosim.scenario.build.timebase import hertz
 
+_PACKED = 8
+"""Sets of values that are kept ready; each run has two, of which most stay as they are."""
+_UNFIT = 3
+"""In place of a status: a value does not fit, and setting them one by one says which."""
+
 
 class Fmu:
     """One instance of a co-simulation FMU of FMI 2.0 or 3.0.
@@ -39,16 +44,25 @@ class Fmu:
         description: FmuDescription,
         *,
         substeps: int,
+        is_trusted: bool = False,
         calling: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.component = component
         self.description = description
         self.version = description.version
         self.substeps = substeps
+        self.is_trusted = is_trusted
+        """Whether a reset is known to leave nothing of a run."""
         self._log = Log()
         self._binding: Binding | None = None
         self._calling = calling
         self._initialised = False
+        self._structural = frozenset(
+            name
+            for name, variable in description.variables.items()
+            if variable.causality is Causality.STRUCTURAL_PARAMETER
+        )
+        self._packed: dict[int, tuple[Mapping[str, list[Any]], list[Callable[[], int]]]] = {}
         self.library = find_binary(description)
         """The file that all instances of this FMU share."""
         self.is_lost = False
@@ -86,6 +100,7 @@ class Fmu:
         Raises:
             InputError: no library for this platform, or the FMU refuses to be instantiated.
         """
+        self._packed.clear()
         description = self.description
         bound = Fmi2 if self.version == 2 else Fmi3
         self._calling("the loading of its library")
@@ -111,17 +126,57 @@ class Fmu:
         if categories and self._binding.choose_log_categories(categories) == FATAL:
             self._check("choose what is logged", FATAL)  # any other refusal leaves it less to say
 
+    def renew(self, *, failed: bool) -> None:
+        """Be as after ``instantiate`` again, for another run; ``failed`` as for ``close``.
+
+        Our own FMUs are reset. What others make of a reset is not known, so they are freed and made
+        anew.
+
+        Raises:
+            InputError: as ``instantiate``.
+        """
+        trusted = self.is_trusted and not self.is_lost
+        if trusted and self._bound.reset() in {OK, WARNING}:
+            self._log.forget()
+        else:
+            self.close(failed=failed)
+            self._log.forget()
+            self.is_lost = False
+            self.instantiate()
+        self._initialised = False
+
     def set_values(self, values: Mapping[str, list[Any]]) -> None:
         """Set parameters or start values before initialisation; ``configure`` comes first.
 
         Raises:
             InputError: the FMU refuses one.
         """
-        self._set_each({n: e for n, e in values.items() if not self._is_structural(n)})
+        if not self.is_trusted:
+            self._set_each({n: e for n, e in values.items() if n not in self._structural})
+            return
+        # Kept from run to run: packing takes longer than setting.
+        if self._packed.get(id(values), (None, None))[0] is not values:
+            if len(self._packed) >= _PACKED:
+                self._packed.clear()
+            self._packed[id(values)] = values, self._pack(values)
+        if any(call() not in {OK, WARNING} for call in self._packed[id(values)][1]):
+            self._set_each({n: e for n, e in values.items() if n not in self._structural})
 
-    def _is_structural(self, variable: str) -> bool:
-        causality = self.description.variables[variable].causality
-        return causality is Causality.STRUCTURAL_PARAMETER
+    def _pack(self, values: Mapping[str, list[Any]]) -> list[Callable[[], int]]:
+        """The calls that set all values, one for each type."""
+        of_type: dict[VariableType, list[str]] = {}
+        for name in values:
+            if name not in self._structural:
+                of_type.setdefault(self.description.variables[name].type, []).append(name)
+        calls: list[Callable[[], int]] = []
+        for kind, names in of_type.items():
+            elements = [element for name in names for element in values[name]]
+            references = [self.reference(name) for name in names]
+            try:
+                calls.append(self._bound.setter(kind, references, elements))
+            except (ValueError, TypeError, OverflowError, ctypes.ArgumentError):
+                return [lambda: _UNFIT]
+        return calls
 
     def _set_each(self, values: Mapping[str, list[Any]]) -> None:
         for name, elements in values.items():
@@ -145,7 +200,9 @@ class Fmu:
             InputError: the FMU refuses one, or all of them together.
             RunError: it failed for good.
         """
-        structural = {n: e for n, e in values.items() if self._is_structural(n)}
+        if not self._structural:
+            return
+        structural = {n: e for n, e in values.items() if n in self._structural}
         if not structural:
             return
         self._check("enter configuration mode", self._bound.enter_configuration())

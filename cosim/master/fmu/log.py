@@ -58,6 +58,10 @@ class Log:
         closing.atexit = False
         self._close = closing
 
+    def forget(self) -> None:
+        """Begin anew: what was said belongs to a run that is over."""
+        self._struct.used = self._struct.grave_used = self._struct.messages = 0
+
     def close(self) -> None:
         """Take no more; what was said stays."""
         self._close()
@@ -72,6 +76,8 @@ class Log:
 
     def said(self) -> tuple[Said, ...]:
         """All that was not well among the last that was said, each text once."""
+        if not self._struct.grave_used:
+            return ()
         return tuple(
             Said(STATUS_NAMES[status] if status < len(STATUS_NAMES) else str(status), text, count)
             for (status, text), count in Counter(_grave(self._struct)).items()

@@ -131,6 +131,22 @@ class Program:
         self.records: Any = (RecordStruct * max(len(columns), 1))()
         self._write_programs(plan)
 
+    def rewind(self, wiring: Wiring) -> None:
+        """Be before tick 0 again; ``wiring`` may have other fates in its bundles, nothing else."""
+        self.wiring = wiring
+        self.cells[:] = 0
+        self.packets = Packets(wiring.bundles, self.layout, self.cells)
+        kernel = self.kernel
+        kernel.bundles = ctypes.addressof(self.packets.structs)
+        kernel.tick = kernel.phase = kernel.position = kernel.status = 0
+        kernel.running = -1
+
+    def refresh(self) -> None:
+        """Take note of FMUs that were made anew, and forget their warnings."""
+        for name, number in self._numbers.items():
+            self.instances[number].instance = self._natives[name].instance
+            self.instances[number].warnings = 0
+
     def stopped_at(self) -> Action:
         """The action at which the kernel came back."""
         return self.actions[int(self.kernel.operation)]

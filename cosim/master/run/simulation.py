@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from types import TracebackType
 from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from cosim.base.component import Component
 from cosim.base.errors import EndAsked, InputError, RunError
@@ -19,7 +22,7 @@ from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.channels.packets import PacketCount
 from cosim.master.components.interface import has_cells
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participants import Factory, setup_of
+from cosim.master.components.participants import Factory, Values, setup_of
 from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import Said
@@ -90,17 +93,19 @@ def assemble(
     instances: Mapping[str, Component] | None = None,
     kinds: Mapping[Kind, Factory] | None = None,
     whereabouts: Whereabouts | None = None,
+    only: Collection[str] | None = None,
 ) -> Simulation:
     """Read, check, wire and plan a scenario; no native code has run yet.
 
     ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
     the master does not know, such as playback. ``whereabouts`` is where the run says what it does.
+    Of what the scenario records, ``only`` these signals are.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
     with without_collecting():
-        return Simulation(put_together(scenario, instances, kinds), whereabouts)
+        return Simulation(put_together(scenario, instances, kinds, only), whereabouts)
 
 
 class Simulation:
@@ -129,6 +134,10 @@ class Simulation:
         self._is_running = False
         self._end = 0
         self._pauses: dict[int, Pause] = {}
+        self._chunk = FIRST_CHUNK
+        self._start_cells: tuple[Mapping[str, Values], NDArray[np.int64]] | None = None
+        self._compiled: bool | None = None
+        """Whether the program that was written records; ``None`` before there is one."""
 
     @property
     def scenario(self) -> Scenario:
@@ -217,6 +226,28 @@ class Simulation:
             if not keep_fmus:
                 self.close()
         return self.outcome
+
+    def renew(self, assembly: Assembly) -> None:
+        """Make ready for another run, after one with ``keep_fmus``; nothing of that one is left.
+
+        ``assembly`` is the one that this simulation was made of, or one that ``with_values`` made
+        of it: the program stays as it is.
+
+        Raises:
+            InputError: it is of another plan.
+            RunError: an FMU was lost for good.
+        """
+        lost = next((name for name, fmu in self._fmus.items() if fmu.is_lost), None)
+        if lost is not None:
+            raise RunError(f"{lost}: after a fatal status nothing more can be run with it.")
+        if assembly.plan is not self.assembly.plan or assembly.layout is not self.assembly.layout:
+            raise InputError("A simulation can only be renewed with an assembly of the same plan.")
+        self._close_components()
+        self._components.clear()
+        self._handlers.clear()
+        self._restored = None
+        self.assembly = assembly
+        self.program.rewind(assembly.wiring)
 
     def start(self, until: int | None = None) -> None:
         """Start every component; then ``advance``, ``snapshot`` and ``restore`` as often as wanted.
@@ -316,8 +347,7 @@ class Simulation:
         told = rehearsal or _tell_nobody
         self._fill_start_values()
         self._create_fmus(told)
-        plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
-        self.program.compile(plan, self._fmus, self.assembly.columns)
+        self._compile(recorded=recorded)
         self._start_components(told, rehearsal=rehearsal is not None)
         for name, fmu in self._fmus.items():
             told(name, "entering initialisation mode")
@@ -368,29 +398,45 @@ class Simulation:
         while kernel.tick < tick:
             self._run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
+    def _compile(self, *, recorded: bool) -> None:
+        """Write the program, once: it is the same for every run of this simulation."""
+        if self._compiled is not None:
+            if self._compiled is not recorded:
+                raise RunError("One simulation is either recorded in all of its runs, or in none.")
+            self.program.refresh()
+            return
+        plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
+        self.program.compile(plan, self._fmus, self.assembly.columns)
+        self._compiled = recorded
+
     def _create_fmus(self, told: Told) -> None:
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
                 continue
-            fmu = Fmu(
-                name,
-                participant.fmu,
-                substeps=participant.substeps,
-                calling=partial(self._whereabouts.note, name),
-            )
-            self._fmus[name] = fmu
             told(name, "being instantiated and given its values")
             with placed_refusal(self.scenario, name):
-                fmu.instantiate()
+                if name in self._fmus:
+                    self._fmus[name].renew(failed=name in self._failed)
+                else:
+                    self._fmus[name] = Fmu(
+                        name,
+                        participant.fmu,
+                        substeps=participant.substeps,
+                        is_trusted=self.scenario.components[name].is_bundled,
+                        calling=partial(self._whereabouts.note, name),
+                    )
+                    self._fmus[name].instantiate()
+                fmu = self._fmus[name]
                 fmu.configure(participant.parameters)
                 fmu.set_values(participant.parameters)
                 fmu.set_values(participant.start)
+        self._failed.clear()
 
     def _start_components(self, told: Told, *, rehearsal: bool) -> None:
         for name, participant in self.assembly.participants.items():
-            component = participant.component
-            if component is None:
+            if participant.supply is None:
                 continue
+            component = participant.supply.take()
             self._components[name] = component
             self._started.append(component)
             views = {
@@ -408,6 +454,15 @@ class Simulation:
                 begin(setup_of(self.scenario, participant), views["input"], views["output"])
 
     def _fill_start_values(self) -> None:
+        """The cells before anything is computed; kept for the next run, if it starts from them."""
+        start = {name: each.start for name, each in self.assembly.participants.items()}
+        if self._start_cells is not None and self._start_cells[0] == start:
+            self.program.cells[:] = self._start_cells[1]
+            return
+        self._write_start_values()
+        self._start_cells = start, self.program.cells.copy()
+
+    def _write_start_values(self) -> None:
         for name, participant in self.assembly.participants.items():
             for variable in participant.interface.variables.values():
                 if has_cells(variable):
@@ -432,7 +487,7 @@ class Simulation:
         pauses = self._pauses
         stops = sorted(tick for tick in pauses if kernel.tick <= tick <= end)
         self._whereabouts.clear()
-        chunk = FIRST_CHUNK
+        chunk = self._chunk
         told = began = time.perf_counter()
         try:
             if drive is not None:
@@ -457,6 +512,7 @@ class Simulation:
             if stops and kernel.tick == stops[0]:
                 pauses[stops.pop(0)]()
         finally:
+            self._chunk = chunk
             self._wall_time = time.perf_counter() - began
 
     def _run_chunk(self, first: int, stop: int, sink: Sink | None) -> None:

@@ -10,7 +10,7 @@ import pytest
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
-from cosim.report.measures import SCENARIO_MEASURES, SETTLING
+from cosim.report.measures import SCENARIO_MEASURES, SETTLING, Inspection
 from cosim.report.overview import draw_overview
 from cosim.report.platform import find_platform
 from tests.support.record.format_1 import write_format_1
@@ -86,7 +86,7 @@ def record(
 
 def measured(folder: Path, name: str, window: tuple[int, int] | None = None) -> float | None:
     with open_run(folder) as run:
-        return SCENARIO_MEASURES[name].take(run, window)
+        return Inspection(run).value(name, window)
 
 
 def test_the_measures_of_a_carried_box(tmp_path: Path, signals: dict[str, np.ndarray]) -> None:

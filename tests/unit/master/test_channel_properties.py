@@ -72,7 +72,9 @@ def test_what_is_held_is_the_newest_that_has_arrived(
         },
     )
     sink, simulation = run(scenario)
-    fates = Fates(scenario.channels["lan"].forward, stream_key(seed, "lan", "forward", "128"))
+    fates = Fates(
+        scenario.channels["lan"].forward, stream_key(seed, "lan", "forward", "128")
+    ).begin()
     count = -(-ticks // SEND)
     delays, copies = fates.take(count)
 
@@ -110,8 +112,8 @@ def test_what_is_held_is_the_newest_that_has_arrived(
 def test_fates_do_not_depend_on_how_many_are_drawn_at_a_time(
     direction: Direction, blocks: list[int]
 ) -> None:
-    whole = Fates(direction, 5).take(sum(blocks))
-    pieces = Fates(direction, 5)
+    whole = Fates(direction, 5).begin().take(sum(blocks))
+    pieces = Fates(direction, 5).begin()
     drawn = [pieces.take(block) for block in blocks]
     for side in (0, 1):
         np.testing.assert_array_equal(whole[side], np.concatenate([pair[side] for pair in drawn]))
@@ -126,7 +128,7 @@ def test_probabilities_and_jitter_are_met() -> None:
             "loss": Bernoulli(probability=0.1),
         },
     )
-    delays, _ = Fates(direction, stream_key(1, "x")).take(count)
+    delays, _ = Fates(direction, stream_key(1, "x")).begin().take(count)
     assert abs(np.mean(delays == LOST) - 0.1) < 0.003
     arrived = delays[delays != LOST] - 4
     for extra, weight in enumerate((0.5, 0.3, 0.2)):
@@ -135,7 +137,9 @@ def test_probabilities_and_jitter_are_met() -> None:
 
 def test_gilbert_elliott_loses_in_bursts() -> None:
     loss = GilbertElliott(good_to_bad=0.05, bad_to_good=0.25)
-    delays, _ = Fates(Direction(impairments={"loss": loss}), stream_key(1, "x")).take(200_000)
+    delays, _ = (
+        Fates(Direction(impairments={"loss": loss}), stream_key(1, "x")).begin().take(200_000)
+    )
     lost = delays == LOST
     assert abs(lost.mean() - 0.05 / 0.30) < 0.005
     starts = np.count_nonzero(lost[1:] & ~lost[:-1])

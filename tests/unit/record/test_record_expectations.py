@@ -15,6 +15,7 @@ from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
 from cosim.report.expectation import COMPARISONS, Verdict, evaluate, parse_expectations
+from cosim.report.measures import Inspection
 from cosim.report.window import MEASURES
 from tests.support.record.scenario_files import scenario
 from tests.support.record.synthetic_run import write
@@ -26,7 +27,7 @@ def verdicts(folder: Path, *lines: str) -> list[Verdict]:
     loaded = scenario(folder, "expect:", *lines)
     with open_run(folder) as run:
         recorded = {name: signal.unit for name, signal in run.signals.items()}
-        return evaluate(run, parse_expectations(loaded, recorded))
+        return evaluate(Inspection(run), parse_expectations(loaded, recorded))
 
 
 def record(folder: Path, values: np.ndarray, *, slow: np.ndarray | None = None) -> None:

@@ -194,7 +194,7 @@ def test_its_draws_are_its_own(tmp_path: Path) -> None:
     key = stream_key(3, "lan", "forward", "128")
 
     def extra(lan: str) -> np.ndarray:
-        return Fates(_loaded(tmp_path, lan).channels["lan"].forward, key).take(4000)[0] - 8
+        return Fates(_loaded(tmp_path, lan).channels["lan"].forward, key).begin().take(4000)[0] - 8
 
     alone, jitter = extra(STALLED), extra("jitter: 1")
     np.testing.assert_array_equal(extra(f"{STALLED}, jitter: 1"), alone + jitter)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.counter import happens
-from cosim.master.channels.fates import Fates
+from cosim.master.channels.fates import Fates, FateStream
 from cosim.scenario import Direction
 from cosim.scenario.build.timebase import Delay
 from cosim.scenario.impairments.duplication import Duplication
@@ -55,10 +55,9 @@ EFFECTS: dict[str, Mapping[str, Effect]] = {
 }
 
 
-def stream(name: str) -> Fates:
-    return Fates(
-        direction=Direction(delay=Delay(ticks=8, samples=1), impairments=EFFECTS[name]), key=7
-    )
+def stream(name: str) -> FateStream:
+    direction = Direction(delay=Delay(ticks=8, samples=1), impairments=EFFECTS[name])
+    return Fates(direction=direction, key=7).begin()
 
 
 @pytest.mark.parametrize("name", EFFECTS)

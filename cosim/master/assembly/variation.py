@@ -1,0 +1,116 @@
+"""The same plan with other values: what a sweep changes from run to run without assembling again.
+
+Parameters and start values, the seed, what happens to packets, the duration and the expectations
+leave order, cells and wires as they are, unless a packet may now arrive in the tick in which it was
+sent, or no longer may. Everything else is another plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from cosim.base.document.problems import Problems
+from cosim.master.assembly.assemble import Assembly
+from cosim.master.assembly.files import with_files
+from cosim.master.assembly.rates import follow_rates
+from cosim.master.assembly.wiring import Bundle, Wiring
+from cosim.master.channels.fates import fates_of
+from cosim.master.components.participants import Participant, other_values
+from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
+
+_STRUCTURE = ("base_rate", "rates", "record")
+
+
+def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
+    """An assembly of ``scenario`` that shares the plan, or ``None`` where it may have another.
+
+    Notes are those of the assembly that it comes from.
+
+    Raises:
+        InputError: a value cannot be used, or ``InputErrors`` for several, each with its place.
+    """
+    before = assembly.scenario
+    if any(getattr(before, name) != getattr(scenario, name) for name in _STRUCTURE):
+        return None
+    changed = _changed(before, scenario)
+    bundles = _bundles(assembly.wiring, scenario)
+    if changed is None or bundles is None:
+        return None
+    problems = Problems(scenario.root)
+    participants = dict(assembly.participants)
+    others: dict[str, Participant] = {}
+    for name in changed:
+        with problems.at(("components", name)):
+            participant = other_values(participants[name], scenario.components[name], problems)
+            if participant is None:
+                return None
+            others[name] = participant
+    participants |= others
+    if scenario.ticks != before.ticks:
+        for name, participant in participants.items():
+            with problems.at(("components", name)):
+                assembly.clock.check_exact(scenario.ticks, participant.substeps, name)
+    if others:
+        # Names of files are absolute in an assembled scenario; the others' are so already.
+        kept = {n: before.components[n] for n in scenario.components if n not in others}
+        scenario = with_files(scenario, others)
+        scenario = replace(scenario, components={**scenario.components, **kept})
+        follow_rates(scenario, others, problems)
+    else:
+        scenario = replace(scenario, components=before.components)
+    problems.raise_if_any()
+    return replace(
+        assembly,
+        scenario=scenario,
+        participants=participants,
+        wiring=replace(assembly.wiring, bundles=bundles),
+    )
+
+
+def _changed(before: Scenario, after: Scenario) -> list[str] | None:
+    """The components that have other values; ``None`` where more than that is different."""
+    if list(before.components) != list(after.components):
+        return None
+    if before.channels is not after.channels and _ways(before) != _ways(after):
+        return None
+    if before.connections is not after.connections and before.connections != after.connections:
+        return None
+    changed: list[str] = []
+    for name, old in before.components.items():
+        new = after.components[name]
+        if new is old:
+            continue
+        if replace(old, parameters={}, start={}) != replace(new, parameters={}, start={}):
+            return None
+        if _values(old) != _values(new):
+            changed.append(name)
+    return changed
+
+
+def _ways(scenario: Scenario) -> list[Channel]:
+    """The channels without what happens to their packets."""
+    nothing = Direction()
+    return [replace(each, forward=nothing, backward=nothing) for each in scenario.channels.values()]
+
+
+def _values(component: ScenarioComponent) -> tuple[Mapping[str, object], Mapping[str, object]]:
+    return component.parameters, component.start
+
+
+def _bundles(wiring: Wiring, scenario: Scenario) -> list[Bundle] | None:
+    """The bundles with the fates that the scenario gives them; ``None`` for another order."""
+    bundles: list[Bundle] = []
+    for bundle in wiring.bundles:
+        if bundle.channel is None:
+            bundles.append(bundle)
+            continue
+        channel = scenario.channels[bundle.channel]
+        direction = channel.forward if bundle.way == "forward" else channel.backward
+        rate = scenario.base_rate / bundle.period
+        fates = fates_of(scenario.seed, channel.name, bundle.way, rate, direction)
+        other = replace(bundle, fates=fates)
+        if other.can_be_immediate != bundle.can_be_immediate:
+            return None
+        bundles.append(other)
+    return bundles

@@ -1,0 +1,32 @@
+"""A run that was kept in memory, read as one from a file is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim.base.recording import MemorySink
+from cosim.record.reader import Run
+from cosim.record.stores import MemoryStore
+
+
+def run_in_memory(sink: MemorySink, manifest: Mapping[str, Any] | None = None) -> Run:
+    """What a sink holds; valid until the sink is used again."""
+    stores = {group.name: MemoryStore(sink, n) for n, group in enumerate(sink.groups)}
+    return Run(Path(), stores, sink.base_rate, manifest or {}, lambda: None)
+
+
+def largest_sizes(sink: MemorySink) -> dict[str, float]:
+    """The largest size that each signal had; NaN where it never was a number."""
+    found: dict[str, float] = {}
+    for number, group in enumerate(sink.groups):
+        cells = sink.rows(number)
+        sizes = np.fmax.reduce(np.abs(cells.view(np.float64)), axis=0, initial=0.0)
+        found |= zip((column.name for column in group.columns), sizes.tolist(), strict=True)
+        for index, column in enumerate(group.columns):
+            if not column.is_float:
+                found[column.name] = float(np.abs(cells[:, index]).max(initial=0))
+    return found

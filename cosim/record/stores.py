@@ -1,0 +1,99 @@
+"""Where the rows of a group are: in a file, or in memory; the same reader takes both."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.base.recording import Column, MemorySink
+from cosim.record.old_meaning import old_meaning
+from cosim.record.table import TABLE, read_table
+
+Place = tuple[Column, Any, int | None]
+"""A signal, what its values are read from, and the row there that is the signal's."""
+
+
+class GroupStore(Protocol):
+    """The rows of one group."""
+
+    period: int
+    """Base ticks from row to row."""
+    rows: int
+    capacity: int
+    """Rows that there is room for."""
+
+    def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
+        ...
+
+    def places(self) -> Iterator[Place]:
+        """Every signal, and where its values are."""
+        ...
+
+
+class FileStore:
+    """A group of ``run.h5``, of any format."""
+
+    def __init__(self, node: Any) -> None:
+        self.period = int(node.attrs["period"])
+        self.rows = int(node["rows"][()])
+        self.capacity = int(node["tick"].shape[0])
+        self._node = node
+
+    def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
+        return self._node["tick"][start:stop]
+
+    def places(self) -> Iterator[Place]:
+        """Every signal, and where its values are."""
+        if TABLE in self._node:
+            for column, place, row in read_table(self._node):
+                yield column, self._node[place], row
+        else:  # format 1: a dataset for each signal
+            for key, node in self._node.items():
+                if key not in {"rows", "tick"}:
+                    yield _described(node), node, None
+
+
+class MemoryStore:
+    """A group that a ``MemorySink`` holds."""
+
+    def __init__(self, sink: MemorySink, group: int) -> None:
+        cells = sink.rows(group)
+        self.period = sink.groups[group].period
+        self.rows = self.capacity = len(cells)
+        self._columns = sink.groups[group].columns
+        self._cells = cells
+
+    def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
+        """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
+        return np.arange(start, stop, dtype=np.int64) * self.period
+
+    def places(self) -> Iterator[Place]:
+        """Every signal, and where its values are."""
+        whole = self._cells.T
+        floats = self._cells.view(np.float64).T
+        for row, column in enumerate(self._columns):
+            yield column, floats if column.is_float else whole, row
+
+
+def _described(dataset: Any) -> Column:
+    """What a dataset of format 1 says about its signal."""
+    attributes = dataset.attrs
+    name = str(attributes["name"])
+    items: dict[str, str] = json.loads(str(attributes.get("items", "{}")))
+    meaning, slot = old_meaning(name)
+    return Column(
+        name=name,
+        unit=str(attributes["unit"]) or None,
+        is_float=dataset.dtype.kind == "f",
+        description=str(attributes.get("description", "")),
+        causality=str(attributes["causality"]),
+        items=tuple((int(value), item) for value, item in items.items()),
+        meaning=meaning,
+        belongs_to=slot,
+    )
