@@ -20,12 +20,12 @@ from hil.device.device import CAUSES, STATES, Device
 from hil.device.driver import Driver, find_driver
 from hil.device.pantograph import terminals, variables
 from hil.device.warnings import warnings_of
-from hil.emulation.side_channel import Control
 from hil.safety.form import SafetyForm
 from hil.setup import session as sessions
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
 from hil.setup.options import check_options
+from hil.wire.side_channel import Control
 
 _FILE_OPTIONS = ("file", "preset")
 

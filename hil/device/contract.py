@@ -118,6 +118,10 @@ class Sent:
     flags: Flag
 
 
+LONGEST_WATCHDOG = 0.1
+"""A board that lets its host be silent for longer (s) has no watchdog worth the name."""
+
+
 @dataclass(frozen=True, slots=True)
 class Watchdog:
     """Whether a board drops its torque by itself when the host falls silent.
@@ -128,6 +132,11 @@ class Watchdog:
 
     timeout: float | None = None
     verified: bool = False
+
+    @property
+    def protects(self) -> bool:
+        """Whether it may be relied on."""
+        return self.verified and self.timeout is not None and self.timeout <= LONGEST_WATCHDOG
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

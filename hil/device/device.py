@@ -110,7 +110,7 @@ class Device:
             known = angle if sample is not None else ZERO
             trip = self.safety.observe(self._reads, known, samples.age, homed=self.homed)
             if trip is not None:
-                self._trip(trip)
+                self._trip(self._explained(trip))
         return Measurement(
             joint_angle=angle,
             count=sample.count if sample else (0, 0),
@@ -379,8 +379,8 @@ class Device:
 
     @property
     def drops_torque(self) -> bool:
-        """Whether its board has a watchdog that was seen to fire."""
-        return self.watchdog.verified
+        """Whether its board has a watchdog that was seen to fire, and soon enough."""
+        return self.watchdog.protects
 
     def idle(self) -> None:
         """One exchange at zero torque, before the first tick.
@@ -502,6 +502,11 @@ class Device:
             raise LifecycleError(
                 f"{call}: {self.name} is {self.state.value}, it would have to be {wanted}"
             )
+
+    def _explained(self, trip: Trip) -> Trip:
+        """With what the driver knows of a silence."""
+        known = self.driver.silence() if trip.cause is Cause.STALE else None
+        return trip if known is None else Trip(trip.cause, f"{trip.sentence}; {known}")
 
     def _trip_on(self, error: Exception) -> None:
         cause = error.cause if isinstance(error, DeviceError) else Cause.PORT

@@ -103,6 +103,10 @@ class Driver(DriverFacts, ABC):
     def receive(self) -> Received:
         """What has come since the last call, and what it says of the board."""
 
+    def silence(self) -> str | None:
+        """What is known of why nothing comes, as a part of a sentence."""
+        return None
+
     @abstractmethod
     def send(self, torque: Pair) -> Pair | None:
         """Send joint torques (N.m); returns them computed back, ``None`` where none went out."""

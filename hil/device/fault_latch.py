@@ -46,7 +46,7 @@ class FaultLatch:
         if self._confirmed and (in_process or not moved):
             self.outcome = WriteOutcome.ZERO_CONFIRMED
         elif self.ticks >= SETTLE_TICKS:
-            trusted = watchdog.verified and not moved
+            trusted = watchdog.protects and not moved
             self.outcome = WriteOutcome.WATCHDOG if trusted else WriteOutcome.UNKNOWN
         else:
             self.ticks += 1

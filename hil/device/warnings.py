@@ -9,7 +9,7 @@ from hil.device.device import Device
 def warnings_of(device: Device) -> list[str]:
     """Sentences, for a device that is about to be allowed to push."""
     texts: list[str] = []
-    if not device.watchdog.verified and not device.in_process:
+    if not device.watchdog.protects and not device.in_process:
         none = device.watchdog.timeout is None
         texts.append(
             f"{device.name} has {'no watchdog' if none else 'a watchdog that was never proved'}: "

@@ -20,9 +20,9 @@ from hil.emulation.board import Board
 from hil.emulation.links import CanLink, HostLink, PtyLink, SlcanLink
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
-from hil.emulation.side_channel import Control
 from hil.emulation.world import World
 from hil.setup.registry import find, names
+from hil.wire.side_channel import Control
 
 PATIENCE = 600.0
 """Seconds to wait for an emulator's first word; one that dies is noticed at once."""

@@ -12,7 +12,7 @@ from random import SystemRandom
 from typing import TYPE_CHECKING
 
 from hil.device.errors import DeviceError
-from hil.emulation.side_channel import Control
+from hil.wire.side_channel import Control
 
 if TYPE_CHECKING:
     from hil.device.device import Device

@@ -21,7 +21,7 @@ from typing import Any
 from hil.emulation.board import Board, BoardFrame, Unit
 from hil.emulation.faults import Fault, FaultKind
 from hil.emulation.links import HostLink
-from hil.emulation.side_channel import PATIENCE, SYNC
+from hil.wire.side_channel import PATIENCE, SYNC
 
 LONGEST_ADVANCE = 10_000
 """Ticks that one request may ask for: a minute's work, and not for ever."""

@@ -29,8 +29,6 @@ LEAST_RAMP, LONGEST_RAMP = 1.0, 2.0
 """How short, and how long, the ramp after activation may be (s)."""
 LEAST_TICKS = 3
 """Ticks that 10 ms have to have: at a slower rate nothing could be dropped in time."""
-LONGEST_WATCHDOG = 0.1
-"""A board that lets its host be silent for longer (s) has no watchdog worth the name."""
 BORDER_METRES = 0.005
 """Force fades over this last stretch before the workspace's border (m)."""
 BORDER_DEXTERITY = 0.2

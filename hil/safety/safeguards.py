@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any, Protocol
 
-from hil.device.contract import Watchdog
+from hil.device.contract import LONGEST_WATCHDOG, Watchdog
 from hil.device.errors import ActivationRefused
 from hil.safety.limits import LATE_SECONDS, LEAST_TICKS
 from hil.safety.permission import Permission
@@ -94,7 +94,8 @@ def check_safeguards(device: Guarded) -> None:
             f"{device.name}: another Python thread lives in the control process and would delay "
             "the loop by milliseconds"
         )
-    if device.watchdog.verified:
+    watchdog = device.watchdog
+    if watchdog.protects:
         return
     if not device.driver.shares_port:
         raise ActivationRefused(
@@ -104,7 +105,8 @@ def check_safeguards(device: Guarded) -> None:
         )
     if emulated:
         return
-    if device.watchdog.timeout is not None:
+    too_long = watchdog.timeout is not None and watchdog.timeout > LONGEST_WATCHDOG
+    if watchdog.timeout is not None and not too_long:
         raise ActivationRefused(
             f"the watchdog of {device.name} has not been proved on this device: let it fire once "
             "with 'cohaptic device check URL --file FILE --enable-output'"
@@ -116,6 +118,7 @@ def check_safeguards(device: Guarded) -> None:
         )
     if not device.file.estop_confirmed:
         raise ActivationRefused(
-            f"{device.name} has no watchdog: its device file needs 'estop: confirmed', written "
-            "by someone who has a switch that cuts the motors' power"
+            f"{device.name} has {'a watchdog too slow to count' if too_long else 'no watchdog'}: "
+            "its device file needs 'estop: confirmed', written by someone who has a switch that "
+            "cuts the motors' power"
         )

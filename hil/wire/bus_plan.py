@@ -9,7 +9,8 @@ from fractions import Fraction
 from cosim.base.errors import InputError
 from hil.device.component import DeviceComponent
 from hil.device.contract import BusUse
-from hil.wire.can_bus import Load, can_options, refuse_overload
+from hil.wire.can_load import Load, refuse_overload
+from hil.wire.can_options import can_options
 
 
 @dataclass(slots=True)

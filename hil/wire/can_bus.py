@@ -6,22 +6,23 @@ own data only. The load of a bus is computed before it is used, and an impossibl
 
 from __future__ import annotations
 
-import contextlib
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field
-
-from cosim.base.document.form import QuantityIn
 from cosim.base.errors import InputError
 from hil.device.errors import DeviceGone
-from hil.emulation.side_channel import Control
 from hil.setup.address import DeviceAddress
-from hil.setup.options import UrlOptions, read_options
+from hil.wire.can_errors import trouble
+from hil.wire.can_load import refuse_overload
+from hil.wire.can_options import can_options
+from hil.wire.can_port import CanFrame, CanPort, FrameKind
 from hil.wire.ownership import OwnedNodes
+from hil.wire.python_can import PythonCanPort, raw_bus
 from hil.wire.serial_port import (
     PATIENCE,
     QUIET_AFTER_DEATH,
@@ -29,77 +30,17 @@ from hil.wire.serial_port import (
     lockstep,
     settled_counts,
 )
+from hil.wire.side_channel import Control
+from hil.wire.socketcan import SocketCanPort
 
 if TYPE_CHECKING:
     from cosim.base.system.pulse import Pulse
 
-BUDGET_SECONDS = 600e-6
-"""What all devices of a station may take of a tick."""
-BITRATE = 1_000_000
 LONGEST_BACKLOG = 2000
 """Frames taken in one go: more than a second of them are waiting, or they never stop coming."""
-LARGEST_LOAD = 0.80
-"""A bus that is fuller than this without stuffing, or full with it, cannot keep a deadline."""
-_FRAME_BITS = 47
-"""A classic data frame of 11-bit identifier without data: 44 bits and 3 between frames."""
-_STUFFED_BITS = 34
-"""Those of them that bit stuffing applies to (ISO 11898-1)."""
-
-
-class CanOptions(UrlOptions):
-    """Options of a device on a CAN bus."""
-
-    bitrate: Annotated[
-        int,
-        QuantityIn(
-            unit="1", what="bit rate, such as 1000000", least=10_000, most=8_000_000, whole=True
-        ),
-    ] = Field(default=BITRATE, description="Bits a second on the bus.")
-    budget: Annotated[
-        float, QuantityIn(unit="s", what="time, such as 0.0006 or '600 us'", above=0, most=600)
-    ] = Field(default=BUDGET_SECONDS, description="What all its devices may take of a tick (s).")
-    sleep_after_open: Annotated[
-        float, QuantityIn(unit="s", what="time, such as 2", least=0, most=60)
-    ] = Field(default=2.0, description="slcan: pause after opening (s).")
-
-
-def frame_bits(size: int, *, stuffed: bool = False) -> int:
-    """Bits of a classic frame with ``size`` data bytes; ``stuffed`` adds the worst case."""
-    return _FRAME_BITS + 8 * size + ((_STUFFED_BITS + 8 * size - 1) // 4 if stuffed else 0)
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """Share of a bus's time, without and with worst-case bit stuffing."""
-
-    plain: float
-    worst: float
-
-
-def bus_load(sizes: Iterable[int], rate: float, bitrate: float = BITRATE) -> Load:
-    """Load of the frames of one tick (data sizes in bytes) at a tick rate (Hz)."""
-    frames = list(sizes)
-    return Load(
-        plain=sum(frame_bits(size) for size in frames) * rate / bitrate,
-        worst=sum(frame_bits(size, stuffed=True) for size in frames) * rate / bitrate,
-    )
-
-
-def refuse_overload(name: str, sizes: Iterable[int], rate: float, bitrate: float) -> Load:
-    """The load of a bus.
-
-    Raises:
-        InputError: the bus cannot carry it.
-    """
-    load = bus_load(sizes, rate, bitrate)
-    if load.plain > LARGEST_LOAD or load.worst > 1.0:
-        raise InputError(
-            f"the CAN bus {name} cannot carry this: {load.plain:.1%} of its time at "
-            f"{rate:g} Hz and {bitrate / 1e6:g} Mbit/s ({load.worst:.1%} with worst-case bit "
-            f"stuffing), at most {LARGEST_LOAD:.0%} is sound; use a second bus, or a lower rate"
-        )
-    return load
-
+QUEUE_TICKS = 4
+"""A frame that is not on the bus so many ticks later waits for somebody to acknowledge it, and
+would leave as a stale torque once somebody does."""
 
 _OPEN: dict[tuple[str, str], CanBus] = {}
 
@@ -109,7 +50,7 @@ class CanBus:
     """An open bus; ``open_bus`` shares it between the devices that name the same one."""
 
     name: str
-    raw: Any
+    port: CanPort
     key: tuple[str, str]
     bitrate: float
     budget: float
@@ -134,6 +75,13 @@ class CanBus:
     """How many frames of an identifier there were before this tick's SYNC."""
     _collected: set[object] = field(default_factory=set[object])
     _stepping: bool = False
+    _complaint: str | None = None
+    _off: bool = False
+    """Whether the controller has left the bus."""
+    _on_the_bus: int = 0
+    """Frames of ours that the kernel handed back."""
+    _sent_before: deque[int] = field(default_factory=lambda: deque[int](maxlen=QUEUE_TICKS))
+    """How many had been sent at the beginning of each of the last ticks."""
     control: Control | None = None
     """The emulator's side channel, in lock-step."""
 
@@ -162,8 +110,7 @@ class CanBus:
         if self.users:
             return
         _OPEN.pop(self.key, None)
-        with contextlib.suppress(Exception):
-            self.raw.shutdown()
+        self.port.close()
         if self.control is not None:
             self.control.close()
 
@@ -172,7 +119,9 @@ class CanBus:
         self._stepping = self.control is not None
 
     def take_over(self) -> None:
-        """Go on where a dead process left off."""
+        """Go on where a dead process left off: what it had queued is no business of ours."""
+        self._sent_before.clear()
+        self._on_the_bus = self.sent
         if self.control is not None:
             self.control.close()
             self.control = Control(self.control.path)
@@ -181,7 +130,7 @@ class CanBus:
         self._drain()
 
     def resume(self) -> None:
-        """Go on after somebody else has used ``raw``: what came for them is no answer to us."""
+        """Go on after somebody else has used the wire: what came for them is no answer to us."""
         self._drain(SETTLE_SECONDS)
         self.count_from_here()
 
@@ -197,25 +146,17 @@ class CanBus:
         Raises:
             DeviceGone: the bus does not take it.
         """
-        import can
-
-        message = can.Message(
-            arbitration_id=identifier,
-            data=data,
-            is_extended_id=False,
-            is_remote_frame=remote,
-            check=False,
-        )
         try:
-            self.raw.send(message)
-        except (can.CanError, OSError) as error:
-            raise DeviceGone(f"the bus {self.name} does not take a frame: {error}") from error
+            self.port.send(identifier, data, remote=remote)
+        except DeviceGone as error:
+            raise DeviceGone(f"the bus {self.name} {error}{self._because}") from error
         self.sent += 1
         self._mine.add(identifier)
         self._collected.clear()  # who writes has read: whoever reads next begins a tick
 
     def collect(self, device: object) -> None:
         """Have this tick's frames in ``latest``; the first device of a tick does the work."""
+        self._refuse_if_off()
         if device not in self._collected and self._collected:
             self._collected.add(device)
             return
@@ -225,6 +166,7 @@ class CanBus:
             self._before = {name: count for name, (count, _) in self._latest.items()}
             self.begin_tick()
         self._collected = {device}
+        self._refuse_queue()
         if self._stepping and self.control is not None:
             expected, end = self.control.sync(self.sent), time.monotonic() + PATIENCE
             late = False
@@ -261,33 +203,74 @@ class CanBus:
         """Frames of these identifiers are our own, whoever sends them through ``raw``."""
         self._mine.update(identifiers)
 
-    def _drain(self, wait: float = 0.0) -> set[int]:
-        import can
+    def for_set_up(self) -> AbstractContextManager[Any]:
+        """A python-can bus on the same wire, while nobody else uses it."""
+        return self.port.for_set_up()
 
+    @property
+    def complaint(self) -> str | None:
+        """What the controller said of the bus since the last frame came."""
+        return self._complaint
+
+    @property
+    def _because(self) -> str:
+        return "" if self._complaint is None else f"; {self._complaint}"
+
+    def _drain(self, wait: float = 0.0) -> set[int]:
         seen: set[int] = set()
         for _ in range(LONGEST_BACKLOG):
             try:
-                message = self.raw.recv(wait)
-            except (can.CanError, OSError, ValueError) as error:
-                raise DeviceGone(f"the bus {self.name} is gone: {error}") from error
-            if message is None:
+                frame = self.port.receive(wait)
+            except DeviceGone as error:
+                raise DeviceGone(f"the bus {self.name} {error}{self._because}") from error
+            if frame is None:
                 return seen
             wait = 0.0
-            if message.is_remote_frame or message.is_extended_id or message.is_error_frame:
-                continue
-            identifier: int = message.arbitration_id
-            if identifier in self._mine:
-                continue  # udp_multicast hands a sender its own frames
-            self._received += 1
-            count = self._latest[identifier][0] + 1 if identifier in self._latest else 1
-            self._latest[identifier] = (count, bytes(message.data))
-            if identifier in self.events:
-                self.events[identifier].append(bytes(message.data))
-            seen.add(identifier)
+            if self._take(frame):
+                seen.add(frame.identifier)
         raise DeviceGone(
             f"the bus {self.name} brings frames faster than this machine reads them "
             f"({LONGEST_BACKLOG} in one go)"
         )
+
+    def _take(self, frame: CanFrame) -> bool:
+        """Whether it is a data frame of somebody else's."""
+        if frame.kind is FrameKind.SENT:
+            self._on_the_bus += 1
+            return False
+        if frame.kind is FrameKind.ERROR:
+            found = trouble(frame.identifier, frame.data)
+            self._complaint, self._off = found.said, found.is_off
+            if self._off:
+                self._refuse_if_off()
+            return False
+        identifier = frame.identifier
+        # udp_multicast hands a sender its own frames
+        if frame.kind is FrameKind.OTHER or identifier in self._mine:
+            return False
+        self._complaint = None
+        self._received += 1
+        count = self._latest[identifier][0] + 1 if identifier in self._latest else 1
+        self._latest[identifier] = (count, frame.data)
+        if identifier in self.events:
+            self.events[identifier].append(frame.data)
+        return True
+
+    def _refuse_if_off(self) -> None:
+        if self._off:
+            raise DeviceGone(f"the bus {self.name} is gone{self._because}")
+
+    def _refuse_queue(self) -> None:
+        """What was sent some ticks ago has to have been on the bus by now."""
+        if not self.port.tells_sent:
+            return
+        if len(self._sent_before) == QUEUE_TICKS and self._on_the_bus < self._sent_before[0]:
+            waiting = self.sent - self._on_the_bus
+            raise DeviceGone(
+                f"{waiting} frames wait in the queue of {self.name} for {QUEUE_TICKS} ticks and "
+                f"more: nobody acknowledges them{self._because}"
+            )
+        self._sent_before.append(self.sent)
 
 
 def open_bus(address: DeviceAddress, pulse: Pulse | None = None) -> CanBus:
@@ -307,7 +290,7 @@ def open_bus(address: DeviceAddress, pulse: Pulse | None = None) -> CanBus:
         given = can_options(address)
         _OPEN[key] = CanBus(
             name=f"{address.transport}://{address.place}",
-            raw=raw_bus(address),
+            port=_port(address),
             key=key,
             bitrate=given.bitrate,
             budget=given.budget,
@@ -319,51 +302,7 @@ def open_bus(address: DeviceAddress, pulse: Pulse | None = None) -> CanBus:
     return _OPEN[key]
 
 
-def can_options(address: DeviceAddress) -> CanOptions:
-    """The bus's options in a device's URL.
-
-    Raises:
-        InputError: one cannot be, or has no effect on this kind of bus.
-    """
-    if "sleep_after_open" in address.options and address.transport != "slcan":
-        raise InputError(
-            f"the device URL {address.url}: 'sleep_after_open' is for slcan adapters; leave it out"
-        )
-    return read_options(CanOptions, address)
-
-
-def raw_bus(address: DeviceAddress) -> Any:
-    """A python-can bus of its own for an address.
-
-    Raises:
-        DeviceGone: it cannot be opened.
-    """
-    import can
-
-    try:
-        if address.transport == "slcan":
-            from hil.wire.slcan import StrictSlcanBus
-
-            return StrictSlcanBus(**_options(address))
-        return can.Bus(**_options(address))
-    except (can.CanError, OSError, ValueError) as error:
-        raise DeviceGone(f"the CAN bus of {address.url} cannot be opened: {error}") from error
-
-
-def _options(address: DeviceAddress) -> Mapping[str, Any]:
-    if address.transport == "udp_multicast":
-        group, _, port = address.place.partition(":")
-        return {
-            "interface": "udp_multicast",
-            "channel": group,
-            "port": int(port or 43113),
-            "hop_limit": 0,
-        }
-    given = can_options(address)
-    options: dict[str, Any] = {
-        "channel": address.place,
-        "bitrate": given.bitrate,
-    }
-    if address.transport == "slcan":
-        return {**options, "sleep_after_open": given.sleep_after_open}
-    return {**options, "interface": address.transport}
+def _port(address: DeviceAddress) -> CanPort:
+    if address.transport == "socketcan":
+        return SocketCanPort(address.place)
+    return PythonCanPort(raw_bus(address))

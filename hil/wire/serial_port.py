@@ -12,10 +12,10 @@ from pydantic import Field
 
 from cosim.base.document.form import QuantityIn
 from hil.device.errors import DeviceError, DeviceGone
-from hil.emulation.side_channel import Control
 from hil.setup.address import DeviceAddress
 from hil.setup.options import UrlOptions, read_options
 from hil.wire.ownership import own_port
+from hil.wire.side_channel import Control
 
 if TYPE_CHECKING:
     from cosim.base.system.pulse import Pulse

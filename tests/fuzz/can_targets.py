@@ -19,6 +19,7 @@ from hil.emulation.world import World
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.wire.can_bus import CanBus
+from hil.wire.python_can import PythonCanPort
 from hil.wire.slcan import StrictSlcanBus
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import TICK, Rest
@@ -63,7 +64,7 @@ def odrive_driver(data: bytes) -> None:
         for _ in range(script.number(4)):
             identifier, content = script.number(2) << 5 | script.number(32), script.take(8)
             content = content[: 8 - script.number(9) % 9] if script.number(4) == 1 else content
-            bus.raw.inbox.append((identifier, content))
+            bus.port.raw.inbox.append((identifier, content))
             sent.append((identifier, content))
         measured = device.read(tick)
         device.write(tick, (0.0, 0.0))
@@ -110,9 +111,12 @@ def _made() -> tuple[Device, CanBus]:
         parse_file({"driver": "odrive"}),
         tick=TICK,
     )
-    bus = CanBus(name="fake", raw=FakeBus(), key=("fake", "can0"), bitrate=1e6, budget=0.0)
+    bus = CanBus(
+        name="fake", port=PythonCanPort(FakeBus()), key=("fake", "can0"), bitrate=1e6, budget=0.0
+    )
     bus.users[device] = ()
     device._bus, device._nodes, device._sequence, device._closed = bus, (0, 1), 0, False
+    device._silence, device._silent_ticks, device._running = {0: 0, 1: 0}, 31, False
     device._seen, device._beats, device._states = {0: 0, 1: 0}, {0: 0, 1: 0}, {0: 0, 1: 0}
     device.state = State.INACTIVE
     return device, bus

@@ -22,6 +22,7 @@ from hil.emulation.world import World
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.wire.can_bus import CanBus
+from hil.wire.python_can import PythonCanPort
 from tests.fuzz.can_targets import FakeBus
 from tests.fuzz.script import Script
 from tests.fuzz.wire import TICK, Rest
@@ -94,7 +95,7 @@ def canopen_driver(data: bytes) -> None:
             identifier = (
                 FROM_NODES[number] if number < len(FROM_NODES) else 1 + script.number(0x7FE)
             )
-            bus.raw.inbox.append((identifier, script.take(script.number(9))))
+            bus.port.raw.inbox.append((identifier, script.take(script.number(9))))
         measured = device.read(tick)
         device.write(tick, (0.0, 0.0))
         assert measured.count == UNITS
@@ -113,7 +114,9 @@ def _made() -> tuple[Device, CanBus]:
         parse_file({"driver": "canopen"}),
         tick=TICK,
     )
-    bus = CanBus(name="fake", raw=Answering(), key=("fake", "can0"), bitrate=1e6, budget=0.0)
+    bus = CanBus(
+        name="fake", port=PythonCanPort(Answering()), key=("fake", "can0"), bitrate=1e6, budget=0.0
+    )
     kept = module.set_up, module.open_bus
     module.set_up = lambda *_: Found((1 << 32, 1 << 32), None)
     module.open_bus = lambda *_: bus

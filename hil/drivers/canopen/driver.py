@@ -186,6 +186,9 @@ class CanopenDriver(Driver):
             error=self._wrong(events) if self._running else None,
         )
 
+    def silence(self) -> str | None:
+        return self._opened().complaint
+
     def _positions(self, bus: CanBus) -> dict[int, int] | None:
         """Positions by joint, of this tick's SYNC and nothing else; all of them or none."""
         found: dict[int, int] = {}

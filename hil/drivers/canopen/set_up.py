@@ -179,15 +179,16 @@ def _network(bus: CanBus) -> Generator[Any]:
     """The package's network on a bus that stays open; its thread has ended afterwards."""
     import canopen
 
-    network: Any = canopen.Network(bus.raw)
-    network.NOTIFIER_CYCLE = NOTIFIER_SECONDS
     before = threading.active_count()
-    network.connect()
-    try:
-        yield network
-    finally:
-        network.notifier.stop()
-        bus.resume()
+    with bus.for_set_up() as raw:
+        network: Any = canopen.Network(raw)
+        network.NOTIFIER_CYCLE = NOTIFIER_SECONDS
+        network.connect()
+        try:
+            yield network
+        finally:
+            network.notifier.stop()
+    bus.resume()
     if threading.active_count() > before:
         raise DeviceError(f"the thread that set up the nodes on {bus.name} does not end")
 

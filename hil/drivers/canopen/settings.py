@@ -18,7 +18,7 @@ from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
-from hil.wire.can_bus import CanOptions
+from hil.wire.can_options import CanOptions
 
 HEARTBEAT_MS, WATCHDOG_MS = 5, 20
 """How often a node and we say that we are alive; how long a node lets us be silent."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import pi
+from math import ceil, pi
 from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
@@ -28,11 +28,14 @@ from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn, read_options
-from hil.wire.can_bus import CanBus, CanOptions, open_bus
+from hil.wire.can_bus import CanBus, open_bus
+from hil.wire.can_options import CanOptions
 from hil.wire.ownership import OwnedNodes
 
 FRAMES = (8, 4, 8, 4)
 """Data bytes on the bus in a tick: estimates and torque, per axis."""
+LONGEST_SILENCE = 0.030
+"""An axis that has sent no heartbeat for so long (s) is lost; they come every 10 ms."""
 WAIT_TICKS = 400
 """Exchanges within which an axis has to answer during set-up."""
 
@@ -115,6 +118,9 @@ class OdriveDriver(Driver):
         self._nodes = read_options(OdriveOptions, self.address).nodes
         self._seen = dict.fromkeys(self._nodes, 0)
         self._beats = dict.fromkeys(self._nodes, 0)
+        self._silence = dict.fromkeys(self._nodes, 0)
+        self._silent_ticks = ceil(LONGEST_SILENCE / self.tick)
+        self._running = False
         self._states = dict.fromkeys(self._nodes, 0)
         self._expired: set[int] = set()
         self._sequence, self._closed = 0, False
@@ -131,6 +137,7 @@ class OdriveDriver(Driver):
         self._bus.keep_step()
         self._until(self._all_idle, "its axes do not report to be idle")
         self._until(self._all_measured, "its axes send no encoder estimates")
+        self._running = True
 
     def _limits(self) -> bytes:
         turns = self.file.limits.joint_speed / (2 * pi)
@@ -175,8 +182,9 @@ class OdriveDriver(Driver):
         for node in self._nodes:
             frame = bus.latest(identifier(node, OdriveCommand.HEARTBEAT))
             if frame is None or frame[0] == self._beats[node]:
+                wrong = self._missing(node) or wrong
                 continue
-            self._beats[node] = frame[0]
+            self._beats[node], self._silence[node] = frame[0], 0
             error, self._states[node] = wire.heartbeat(frame[1])
             fresh += 1
             fired |= self._has_expired(node, error)
@@ -185,13 +193,27 @@ class OdriveDriver(Driver):
             if error:
                 wrong = BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
             elif self._closed and self._states[node] != wire.CLOSED_LOOP:
-                wrong = BoardError(f"ODrive axis {node} left closed loop")
+                state = wire.state_name(self._states[node])
+                wrong = BoardError(f"ODrive axis {node} left closed loop, it is {state}")
         return Received(
             # Out of closed loop nobody sends a torque, so an idle axis is one at zero.
             zero_confirmed=bool(fresh) and not self._closed and self._all_idle(),
             watchdog_fired=fired,
             error=wrong,
         )
+
+    def _missing(self, node: int) -> BoardError | None:
+        """One more tick without a heartbeat; what is wrong once that were too many."""
+        self._silence[node] += 1
+        if not self._running or self._silence[node] <= self._silent_ticks:
+            return None
+        return BoardError(
+            f"the heartbeat of ODrive axis {node} has been missing for {self._silence[node]} "
+            "ticks: set its 'heartbeat_msg_rate_ms' to 10, and look at its supply and its cable"
+        )
+
+    def silence(self) -> str | None:
+        return self._opened().complaint
 
     def _has_expired(self, node: int, error: int) -> bool:
         """Whether by now the watchdogs of both axes have fired in closed loop."""

@@ -27,6 +27,13 @@ class OdriveCommand(IntEnum):
 
 
 IDLE, CLOSED_LOOP = 1, 8
+_STATES = {
+    0: "undefined",
+    IDLE: "idle",
+    2: "in its start-up sequence",
+    3: "calibrating",
+    CLOSED_LOOP: "in closed loop",
+}
 TORQUE_CONTROL, PASSTHROUGH = 1, 1
 WATCHDOG_EXPIRED = 0x01000000
 DEVICE_COMMANDS = frozenset(
@@ -38,6 +45,11 @@ DEVICE_COMMANDS = frozenset(
 def identifier(node: int, command: OdriveCommand) -> int:
     """The CAN identifier of a command to, or from, a node (0 to 63)."""
     return node << 5 | command
+
+
+def state_name(state: int) -> str:
+    """An axis state in words."""
+    return _STATES.get(state, f"in state {state}")
 
 
 def set_state(state: int) -> bytes:

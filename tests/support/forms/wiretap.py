@@ -16,11 +16,11 @@ import serial
 from hil.device.component import DeviceComponent, begin_emulated_motion
 from hil.device.errors import DeviceError
 from hil.drivers.canopen import driver as canopen
-from hil.emulation import side_channel
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.setup.registry import find
-from hil.wire import can_bus, serial_port, slcan
+from hil.wire import can_bus, serial_port, side_channel, slcan
+from hil.wire.python_can import PythonCanPort
 
 MAKERS = {
     "quanser.hardware": ("HILError",),
@@ -87,6 +87,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
     monkeypatch.setattr(can, "Bus", opened)
     monkeypatch.setattr(slcan, "StrictSlcanBus", opened)
     monkeypatch.setattr(can_bus, "CanBus", Bus)
+    monkeypatch.setattr(can_bus, "SocketCanPort", lambda channel: PythonCanPort(opened(channel)))
     monkeypatch.setattr(can_bus, "_OPEN", {})
     monkeypatch.setattr(canopen, "set_up", set_up)
     monkeypatch.setattr(canopen, "SETUP_TICKS", 3)

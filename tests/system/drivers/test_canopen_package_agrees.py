@@ -9,7 +9,7 @@ import pytest
 
 from hil.drivers.canopen.emulated_objects import dictionary
 from hil.setup.address import parse
-from hil.wire.can_bus import raw_bus
+from hil.wire.python_can import raw_bus
 from tests.support.hil.driver_bench import Bench
 
 CODE = 10.0 / 32767 * 0.5 * 0.0364

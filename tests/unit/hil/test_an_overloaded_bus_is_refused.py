@@ -6,7 +6,7 @@ import pytest
 
 from cosim.base.errors import InputError
 from hil.drivers.odrive.driver import FRAMES
-from hil.wire.can_bus import bus_load, frame_bits, refuse_overload
+from hil.wire.can_load import bus_load, frame_bits, refuse_overload
 
 RATE = 1024
 

@@ -12,7 +12,7 @@ from cosim.cli import cli
 from hil.drivers.canopen.driver import CanopenDriver
 from hil.setup.address import parse
 from hil.setup.device_file import default
-from hil.wire.can_bus import bus_load
+from hil.wire.can_load import bus_load
 
 FINGERS = ("finger_a1", "finger_a2", "finger_b1", "finger_b2")
 

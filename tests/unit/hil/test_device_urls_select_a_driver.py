@@ -11,7 +11,7 @@ from hil.drivers.odrive.driver import OdriveOptions
 from hil.setup.address import parse
 from hil.setup.options import check_options, read_options
 from hil.setup.registry import find, names
-from hil.wire.can_bus import can_options
+from hil.wire.can_options import can_options
 
 
 def test_urls_come_apart():

@@ -1,0 +1,164 @@
+"""Heartbeats that stop, an axis gone idle and a bus in trouble are in the fault's sentence."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from hil.device.contract import State
+from hil.device.device import Device
+from hil.drivers.odrive.driver import OdriveDriver
+from hil.safety.permission import emulated
+from hil.setup.address import parse
+from hil.setup.device_file import parse as parse_file
+from hil.wire import can_bus
+from hil.wire.can_port import CanFrame, FrameKind
+
+URL = "odrive+fake://can0?nodes=0,1"
+HOME = [2.2873, 0.8543]
+
+
+class Axes:
+    """A port with two axes at rest; one look at it is one tick."""
+
+    tells_sent = False
+
+    def __init__(self) -> None:
+        self.state = {0: 1, 1: 1}
+        self.error = {0: 0, 1: 0}
+        self.beats = {0, 1}
+        self.estimates = True
+        self.extra: list[CanFrame] = []
+        self.ticks = 0
+        self._queue: list[CanFrame] | None = None
+
+    def send(self, identifier: int, data: bytes, *, remote: bool) -> None:
+        del remote
+        if identifier & 0x1F == 0x07:
+            (self.state[identifier >> 5],) = struct.unpack("<I", data)
+
+    def receive(self, wait: float) -> CanFrame | None:
+        del wait
+        if self._queue is None:
+            self._queue = list(self._tick())
+        if self._queue:
+            return self._queue.pop(0)
+        self._queue = None
+        return None
+
+    def _tick(self) -> Iterator[CanFrame]:
+        self.ticks += 1
+        yield from self.extra
+        for node in (0, 1):
+            if self.estimates:
+                yield CanFrame(node << 5 | 0x09, bytes(8))
+            if self.ticks % 10 == 0 and node in self.beats:
+                told = struct.pack("<IBBBB", self.error[node], self.state[node], 0, 0, 0)
+                yield CanFrame(node << 5 | 0x01, told)
+
+    def for_set_up(self) -> Any:
+        return contextlib.nullcontext()
+
+    def close(self) -> None: ...
+
+
+@pytest.fixture
+def axes(monkeypatch: pytest.MonkeyPatch) -> Axes:
+    made = Axes()
+    monkeypatch.setattr(can_bus, "_port", lambda _: made)
+    monkeypatch.setattr(can_bus, "_OPEN", {})
+    monkeypatch.setattr(OdriveDriver, "pause", lambda _: None)
+    return made
+
+
+@pytest.fixture
+def active(axes: Axes) -> Iterator[Callable[..., Device]]:
+    """Makes devices that are active on the axes."""
+    made: list[Device] = []
+
+    def make(**given: Any) -> Device:
+        made.append(_device(**given))
+        return _activated(made[-1])
+
+    yield make
+    axes.extra, axes.estimates = [], True
+    for device in made:
+        device.close()
+
+
+def _device(watchdog: dict[str, Any] | None = None, **proof: Any) -> Device:
+    document: dict[str, Any] = {"driver": "odrive", "home": HOME}
+    if watchdog is not None:
+        document |= {"settings": {"watchdog": watchdog}, "watchdog_proof": proof}
+    device = Device(OdriveDriver, parse(URL), parse_file(document))
+    device.permission = emulated(URL, None)
+    return device
+
+
+def _activated(device: Device) -> Device:
+    device.configure()
+    device.home()
+    exchange(device, device.rest_ticks)
+    device.activate()
+    exchange(device, 40)
+    assert device.state is State.ACTIVE
+    return device
+
+
+def exchange(device: Device, ticks: int) -> int:
+    for tick in range(ticks):
+        device.read(tick)
+        device.write(tick, (0.0, 0.0))
+        if device.state is State.FAULT:
+            return tick
+    return ticks
+
+
+def test_a_heartbeat_that_stops_is_a_fault_within_30_ms(axes: Axes, active):
+    device = active()
+    axes.beats.discard(1)
+    assert exchange(device, 100) <= 40
+    assert "heartbeat of ODrive axis 1" in device.fault_sentence()
+
+
+def test_an_axis_that_goes_idle_is_named(axes: Axes, active):
+    device = active()
+    axes.state[0] = 1
+    assert exchange(device, 100) <= 10
+    assert "ODrive axis 0" in device.fault_sentence()
+    assert "idle" in device.fault_sentence()
+
+
+def test_silence_on_a_bus_in_trouble_says_so(axes: Axes, active):
+    device = active()
+    axes.estimates, axes.beats = False, set()
+    axes.extra = [CanFrame(0x20, bytes(8), FrameKind.ERROR)]
+    assert exchange(device, 100) == 9
+    assert "no valid sample for 10 ticks" in device.fault_sentence()
+    assert "nobody acknowledges" in device.fault_sentence()
+
+
+def test_bus_off_is_named(axes: Axes, active):
+    device = active()
+    axes.extra = [CanFrame(0x40, bytes(8), FrameKind.ERROR)]
+    assert exchange(device, 100) == 0
+    assert "bus-off" in device.fault_sentence()
+
+
+@pytest.mark.parametrize(("timeout", "trusted"), [(0.02, True), (0.1, True), (0.11, False)])
+def test_a_watchdog_of_more_than_100_ms_is_none(axes: Axes, active, timeout: float, trusted: bool):
+    device = active(
+        watchdog={"timeout": timeout}, date="2026-11-22", timeout=timeout, fired_after=timeout
+    )
+    assert device.watchdog.protects is trusted
+    axes.estimates, axes.beats = False, set()
+    exchange(device, 20)
+    for tick in range(60):
+        device.write(tick, (0.0, 0.0))
+    said = device.fault_sentence()
+    assert ("its own watchdog" in said) is trusted
+    assert ("output unknown" in said) is not trusted
