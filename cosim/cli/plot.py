@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 import click
 
 from cosim.base.errors import InputError
+from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import FIGURES, OutputFile, Quantity
 
 if TYPE_CHECKING:
@@ -60,7 +62,8 @@ def command(
 ) -> None:
     """Draw SIGNALs (names, or patterns with * and ?) of RUN folders; each value is held.
 
-    One panel for each unit; several runs lie over one another.
+    One panel for each unit; several runs lie over one another. Without a SIGNAL the overview of
+    one run is drawn again.
     """
     from cosim.plot.figure import draw
     from cosim.plot.kinds import KINDS as DRAWN
@@ -71,8 +74,23 @@ def command(
     with ExitStack() as stack:
         runs, patterns = _sorted(what, stack)
         series = select(runs, patterns)
-        target = out or runs[0].folder / "plot.png"
-        draw(DRAWN[kind](series, Span(start, until)), target, width=width, title=title)
+        if patterns:
+            target = out or runs[0].folder / "plot.png"
+            draw(DRAWN[kind](series, Span(start, until)), target, width=width, title=title)
+        else:
+            refuse_without(
+                "SIGNAL",
+                {
+                    "--kind": kind != "time",
+                    "--from": start > 0,
+                    "--until": until,
+                    "--width": width != "two",
+                    "--title": bool(title),
+                },
+                "the overview is drawn as it is",
+            )
+            target = out or runs[0].folder / "overview.png"
+            _draw_overview(runs[0], target)
     if as_json:
         click.echo(json.dumps({"figure": str(target), "signals": [t.label for t in series]}))
     else:
@@ -92,10 +110,23 @@ def _sorted(what: tuple[str, ...], stack: ExitStack) -> tuple[list[Run], list[st
     if not places:
         raise InputError(f"{what[0]}: there is no run folder of that name (one with a {RUN_FILE}).")
     runs = [stack.enter_context(open_run(place)) for place in dict.fromkeys(places)]
-    if not patterns:
+    if not patterns and len(runs) > 1:
         some = ", ".join(list(runs[0].signals)[:4])
         raise InputError(
             f"name the signals to draw, such as {some}; `cohaptic record list {places[0]}` lists "
             "what was recorded."
         )
     return runs, patterns
+
+
+def _draw_overview(run: Run, target: Path) -> None:
+    """The overview of a run, as it is drawn after it."""
+    from cosim.report.overview import draw_overview
+    from cosim.report.summary import facts, read_summary, summarise
+
+    if target.suffix.lower() != ".png":
+        raise InputError(f"{target}: the overview is a .png; name signals for another format.")
+    summaries = {name: signal.summary() for name, signal in run.signals.items()}
+    summary = read_summary(run.folder) or summarise(run, (), summaries)
+    with writing(target):
+        draw_overview(run, target, summaries, facts(summary.content))

@@ -8,15 +8,13 @@ from typing import Any
 
 from cosim.plot.kinds import Line, Panel
 from cosim.plot.series import reduced
-from cosim.plot.style import COLOURS, LINES, WIDTHS, new_figure, save, styled
+from cosim.plot.style import COLOURS, LINES, WIDTHS, new_figure, save, styled, thickness
 
 POINTS = 4000
 """Points of a line: two for each of the pixels that a figure is wide at most."""
 PANEL_HEIGHT = 38.0
 LEGEND_ROW = 3.6
 EDGE = 12.0
-THICKNESS = (1.7, 1.0, 0.6)
-"""What lies over another line leaves its edges to be seen."""
 LABELS, CHARACTER, HANDLE = 16.0, 1.45, 9.0
 """Widths (mm) of what stands left of the axes, of a letter, and of a legend's sample of a line."""
 POINTS_PER_MM = 72 / 25.4
@@ -70,7 +68,7 @@ def _draw_panel(axis: Any, panel: Panel, wide: float, *, is_last: bool) -> None:
             "color": COLOURS[number % len(COLOURS)],
             "linestyle": LINES[number // len(COLOURS) % len(LINES)],
             "label": line.label,
-            "linewidth": THICKNESS[number % len(THICKNESS)] if len(panel.lines) > 1 else None,
+            "linewidth": thickness(number) if len(panel.lines) > 1 else None,
         }
         _draw_line(axis, panel, line, look)
     if is_last:

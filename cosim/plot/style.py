@@ -79,3 +79,23 @@ def save(figure: Any, out: Path) -> None:
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[suffix]
     with writing(out):
         figure.savefig(out, metadata=undated)
+
+
+def legend_above(axis: Any, columns: int = 4, **more: Any) -> None:
+    """A legend between an axis and its title, where there is no data for it to cover.
+
+    ``more`` are what a legend takes, such as its handles.
+    """
+    handles = more.get("handles") or axis.get_legend_handles_labels()[0]
+    rows = -(-len(handles) // columns)
+    size = importlib.import_module("matplotlib").rcParams["legend.fontsize"]
+    axis.set_title(axis.get_title(loc="left"), loc="left", pad=5 + 1.45 * size * rows)
+    look = {"handlelength": 1.4, "columnspacing": 1.2, "borderaxespad": 0.1, "labelspacing": 0.3}
+    axis.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=min(columns, len(handles)), **look | more
+    )
+
+
+def thickness(number: int) -> float:
+    """Width (points) of line ``number``: what lies over another leaves its edges to be seen."""
+    return (2.2, 1.4, 0.9, 0.5)[number % 4]

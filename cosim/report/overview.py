@@ -13,7 +13,7 @@ from typing import Any
 
 from cosim.record.reader import Run
 from cosim.record.statistics import ColumnSummary
-from cosim.report.panels import draw_contacts, draw_drift, draw_series
+from cosim.report.panels import draw_contacts, draw_drift, draw_forces, draw_series
 from cosim.report.path_panel import draw_path
 from cosim.report.platform import platform_of
 from cosim.report.summary import headlines
@@ -63,11 +63,11 @@ def draw_overview(
 
 def _draw_platform(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]) -> None:
     platform = platform_of(run)
-    forces = {
-        contact.normal_force: str(contact)
+    forces = [
+        contact
         for contact in platform.contacts
         if contact.normal_force and summaries[contact.normal_force].statistics.maximum > 0
-    }
+    ]
     touching = [
         contact for contact in platform.contacts if summaries[contact.state].statistics.maximum > 0
     ]
@@ -89,8 +89,7 @@ def _draw_platform(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]
     )
     draw_path(axes["path"], run, platform)
     if "forces" in names:
-        draw_series(axes["forces"], run, forces, summaries, "N")
-        axes["forces"].set_title("Normal forces of the fingers")
+        draw_forces(axes["forces"], run, forces, summaries)
     if "drift" in names:
         draw_drift(axes["drift"], run, platform)
     if "contacts" in names:

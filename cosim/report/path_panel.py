@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import CohapticError
-from cosim.plot.style import COLOURS
+from cosim.plot.style import COLOURS, legend_above, thickness
 from cosim.record.reader import SCENARIO_FILE, Run
 from cosim.report.platform import RecordedPlatform
 
@@ -18,6 +18,7 @@ PATH_POINTS = 2000
 DEFAULT_SIDE = 0.1
 """Side of the box (m) where the scenario does not say."""
 MAX_WALLS = 4
+FINGER_LABEL = {"textcoords": "offset points", "fontsize": 7.5, "zorder": 5}
 TIME_LABEL = {"ha": "right", "va": "top", "fontsize": 7.5, "color": "0.25"}
 
 
@@ -32,21 +33,22 @@ def draw_path(axis: Any, run: Run, platform: RecordedPlatform) -> None:
     moments = _moments(paths[0], side)
     for index, (copy, path) in enumerate(zip(platform.copies, paths, strict=True)):
         colour = COLOURS[index % len(COLOURS)]
-        axis.plot(path[0], path[1], color=colour, linewidth=1.4, label=f"box of {copy}", zorder=3)
-        _draw_ghosts(axis, path, side, moments, colour, is_first=index == 0)
-        _draw_fingers(axis, run, platform.tips[copy], colour)
+        width = thickness(index)
+        axis.plot(path[0], path[1], color=colour, linewidth=width, label=f"box of {copy}", zorder=3)
+        _draw_ghosts(axis, [_outline(_at(path, m), side) for m in moments], colour, index)
+        _draw_fingers(axis, run, copy, platform.tips[copy], colour)
     duration = float(run.ticks / run.base_rate)
     for moment in moments:
         x, y = _outline(_at(paths[0], moment), side)[0]
         label = f"{moment * duration:.3g} s"
         axis.annotate(label, (x, y), (-3, -3), textcoords="offset points", **TIME_LABEL)
-    _draw_walls(axis, first)
     axis.set_aspect("equal", adjustable="datalim")
     axis.margins(0.08)
+    _draw_walls(axis, first, paths[0][:2].mean(axis=1))
     axis.set_title("Box and fingers in the plane")
     axis.set_xlabel("x (m)")
     axis.set_ylabel("y (m)")
-    axis.legend(loc="upper left")
+    legend_above(axis)
 
 
 def _moments(path: NDArray[np.float64], side: float) -> list[float]:
@@ -74,43 +76,56 @@ def _outline(pose_: NDArray[np.float64], side: float) -> NDArray[np.float64]:
 
 def _draw_ghosts(
     axis: Any,
-    path: NDArray[np.float64],
-    side: float,
-    moments: Sequence[float],
+    outlines: Sequence[NDArray[np.float64]],
     colour: str,
-    *,
-    is_first: bool,
+    number: int,
 ) -> None:
-    for order, moment in enumerate(moments):
-        outline = _outline(_at(path, moment), side)
-        weight = (order + 1) / len(moments)
-        if is_first:
+    for order, outline in enumerate(outlines, 1):
+        weight = order / len(outlines)
+        if number == 0:
             axis.fill(*outline.T, color=colour, alpha=0.10 * weight, linewidth=0, zorder=1)
-        style = "-" if is_first else "--"
         axis.plot(
-            *outline.T, style, color=colour, alpha=0.3 + 0.6 * weight, linewidth=0.9, zorder=2
+            *outline.T,
+            color=colour,
+            alpha=0.3 + 0.6 * weight,
+            linewidth=thickness(number),
+            zorder=2,
         )
 
 
-def _draw_fingers(axis: Any, run: Run, tips: Sequence[tuple[str, str]], colour: str) -> None:
-    for names in tips:
+def _draw_fingers(
+    axis: Any, run: Run, copy: str, tips: Sequence[tuple[str, str]], colour: str
+) -> None:
+    """The ways of a user's fingertips; where they end stands whose they are."""
+    for number, names in enumerate(tips, 1):
         x, y = (_sampled(run, name, PATH_POINTS) for name in names)
+        if not x.any() and not y.any():
+            continue  # no device is connected to it
         axis.plot(x, y, color=colour, linewidth=0.7, alpha=0.6, zorder=2)
         axis.plot(x[-1:], y[-1:], "o", color=colour, markersize=5, zorder=4)
+        label = f"{copy} {number}" if len(tips) > 1 else copy
+        axis.annotate(label, (x[-1], y[-1]), (6, -3), color=colour, **FINGER_LABEL)
 
 
-def _draw_walls(axis: Any, parameters: Mapping[str, Any]) -> None:
+def _draw_walls(axis: Any, parameters: Mapping[str, Any], centre: NDArray[np.float64]) -> None:
+    """A wall has no end: only its point nearest to the box's way counts for what is shown."""
     for number in range(1, MAX_WALLS + 1):
         if not parameters.get(f"wall_{number}.enabled", False):
             continue
         point, normal = (
-            [float(parameters.get(f"wall_{number}.{what}_{axis_}", default)) for axis_ in "xy"]
-            for what, default in (("point", 0.0), ("normal", 0.0))
+            np.array([float(parameters.get(f"wall_{number}.{what}_{c}", 0.0)) for c in "xy"])
+            for what in ("point", "normal")
         )
-        direction = (-normal[1], normal[0])
-        axis.axline(
-            point, (point[0] + direction[0], point[1] + direction[1]), color="0.3", linewidth=2.0
-        )
+        length = float(np.hypot(*normal))
+        if length == 0.0:
+            continue
+        along = np.array([-normal[1], normal[0]]) / length
+        nearest = point + along * float(along @ (centre - point))
+        axis.axline(nearest, nearest + SHORT * along, color="0.3", linewidth=2.0)
+
+
+SHORT = 1e-3
+"""Between the two points (m) that give a wall's line its direction."""
 
 
 def _sampled(run: Run, name: str, points: int) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cosim.plot.style import COLOURS
+from cosim.plot.style import COLOURS, legend_above
 from cosim.report.overview import STYLE
 from cosim.thesis.beyond import RADIUS_DELAYS, Beyond
 from cosim.thesis.breaking import Limit
@@ -39,7 +39,7 @@ def _breaking(figure: Any, found: Beyond) -> None:
         title="(b) The same under jitter", xlabel="each packet late by 0 to … samples", yscale="log"
     )
     jitter.set_xticks([one.delay for one in found.limits["jitter"]])
-    jitter.legend(loc="upper right")
+    legend_above(jitter, 1)
     stiffness.set(
         title="(a) Stiffest remote couplers",
         ylabel="normal stiffness (N/m)",
@@ -47,11 +47,11 @@ def _breaking(figure: Any, found: Beyond) -> None:
     )
     _curve(loss, found.limits["centralized_loss"], COLOURS[0], "centralized, soft")
     _curve(loss, found.limits["distributed_loss"], COLOURS[1], "distributed")
-    loss.set(title="(c) Largest loss that holds", ylabel="loss probability", ylim=(-0.03, 1.3))
+    loss.set(title="(c) Largest loss that holds", ylabel="loss probability", ylim=(-0.03, 1.03))
     for axis in (stiffness, loss):
         axis.set_xlabel("round-trip delay (samples)")
         axis.set_xticks([one.delay for one in found.limits["stiffness"]])
-        axis.legend(loc="upper right")
+        legend_above(axis, 1)
 
 
 def _curve(axis: Any, limits: tuple[Limit, ...], colour: str, label: str) -> None:
@@ -110,7 +110,7 @@ def _prediction(figure: Any, found: Beyond) -> None:
             axis.plot(DELAYS, values, "o-", color=COLOURS[number], label=name.replace("_", " "))
         axis.set(title=title, ylabel=unit, ylim=(0, None), xlabel="round trip (samples)")
         axis.set_xticks(DELAYS)
-    axes[0].legend(loc="upper left")
+    legend_above(axes[0], 2)
 
 
 def _users(figure: Any, found: Beyond) -> None:
@@ -123,7 +123,7 @@ def _users(figure: Any, found: Beyond) -> None:
         ylabel="ρ over a network period",
     )
     axis.set_xticks(RADIUS_DELAYS)
-    axis.legend()
+    legend_above(axis)
 
 
 FIGURES: dict[str, Callable[[Any, Beyond], None]] = {

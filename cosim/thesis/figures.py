@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.plot.style import COLOURS
+from cosim.plot.style import COLOURS, legend_above
 from cosim.record.reader import Run, open_run
 from cosim.report.overview import STYLE
 from cosim.thesis.experiments import Ran
@@ -73,7 +73,7 @@ def _grasp(figure: Any, runs: Mapping[str, Run]) -> None:
         y = 1e3 * _series(run, f"{copy}.box_pose.y")[1]
         path.plot(x, y, color=colour, linewidth=1.0)
     force.set(title="(a) Normal force of user b's left finger", xlabel="time (s)", ylabel="N")
-    force.legend(loc="upper right")
+    legend_above(force, 2)
     path.set(title="(b) Path of the box", xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 
 
@@ -102,9 +102,8 @@ def _free_motion(figure: Any, runs: Mapping[str, Run]) -> None:
         xlabel="time (s)",
         ylabel="N",
         xlim=(4.5, 14.0),
-        ylim=(-0.55, 0.75),
     )
-    axis.legend(loc="upper center", ncols=3)
+    legend_above(axis, 5)
 
 
 def _wall_push(figure: Any, runs: Mapping[str, Run]) -> None:
@@ -119,7 +118,7 @@ def _wall_push(figure: Any, runs: Mapping[str, Run]) -> None:
         style = "--" if number == 1 else "-"
         axis.plot(time, 1e3 * (values - values[0]), style, color=COLOURS[number], label=label)
     axis.set(title="Finger pushing the box to the wall", xlabel="time (s)", ylabel="mm")
-    axis.legend(loc="upper right")
+    legend_above(axis, 3)
 
 
 def _moment_cancellation(figure: Any, runs: Mapping[str, Run]) -> None:
@@ -134,7 +133,7 @@ def _moment_cancellation(figure: Any, runs: Mapping[str, Run]) -> None:
         axis.set(xlim=(0.0, 0.4), xlabel="time (s)")
     position.set(title="Finger past the surface", ylabel="mm")
     force.set(title="Contact force", ylabel="N")
-    position.legend(loc="lower right")
+    legend_above(position, 2)
 
 
 Draw = Callable[[Any, Mapping[str, Run]], None]

@@ -11,6 +11,8 @@ from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.cli.plot import KINDS
 from cosim.plot.kinds import KINDS as DRAWN
+from cosim.reading import load
+from cosim.run import run_scenario
 
 
 def plot(*arguments: object) -> str:
@@ -76,10 +78,29 @@ def test_two_runs_are_told_apart_by_their_folders(small_run: Path, tmp_path: Pat
     ("arguments", "sentence"),
     [
         (["a.sine"], "no run folder of that name"),
-        (["RUN"], "name the signals to draw, such as"),
+        (["RUN", "OTHER"], "name the signals to draw, such as"),
+        (["RUN", "--kind", "phase"], "--kind without SIGNAL"),
+        (["RUN", "--out", "x.pdf"], "the overview is a .png"),
         (["RUN", "a.sine", "--from", "1 s", "--until", "1 s"], "is not after --from"),
     ],
 )
-def test_what_is_missing_is_said(arguments: list[str], sentence: str, small_run: Path) -> None:
+def test_what_is_missing_is_said(
+    arguments: list[str], sentence: str, small_run: Path, tmp_path: Path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.h5").write_bytes((small_run / "run.h5").read_bytes())
+    meant = {"RUN": small_run, "OTHER": other}
     with pytest.raises(InputError, match=sentence):
-        plot(*(small_run if text == "RUN" else text for text in arguments))
+        plot(*(meant.get(text, text) for text in arguments))
+    assert not (tmp_path / "x.pdf").exists()
+
+
+def test_the_overview_is_drawn_again(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    run_scenario(load("single_user"), folder)
+    drawn = (folder / "overview.png").read_bytes()
+    (folder / "overview.png").unlink()
+    assert plot(folder) == str(folder / "overview.png")
+    assert (folder / "overview.png").read_bytes() == drawn
