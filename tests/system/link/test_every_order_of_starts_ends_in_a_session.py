@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -43,16 +42,83 @@ def run(names: str, events: list[tuple[int, str, str]]) -> World:
     return world
 
 
-@pytest.mark.parametrize("gap", [0, 3 * MILLISECOND, SECOND, 5 * SECOND])
-@pytest.mark.parametrize("order", ["".join(o) for o in itertools.permutations("ab")])
-def test_two_are_started_in_any_order(order: str, gap: int) -> None:
-    run("ab", [(number * gap, "start", name) for number, name in enumerate(order)])
+def orders(restarts: dict[str, int]) -> Iterator[list[tuple[str, str]]]:
+    """Every order of the events of stations that are restarted so many times each."""
+    lives = {name: 1 + 2 * times for name, times in restarts.items()}
+
+    def rest(left: dict[str, int]) -> Iterator[list[tuple[str, str]]]:
+        if not any(left.values()):
+            yield []
+        for name, events in left.items():
+            if events:
+                what = "start" if events % 2 else "kill"
+                for after in rest({**left, name: events - 1}):
+                    yield [(what, name), *after]
+
+    return rest(lives)
 
 
-@pytest.mark.parametrize("gap", [3 * MILLISECOND, pytest.param(2 * SECOND, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("order", ["".join(o) for o in itertools.permutations("abc")])
-def test_three_are_started_in_any_order(order: str, gap: int) -> None:
-    run("abc", [(number * gap, "start", name) for number, name in enumerate(order)])
+def every(*restarts: str, gaps: list[int]) -> list:
+    """Parameters of the orders of ``restarts`` like ``a0 b2``, with the same pause in between."""
+    found = []
+    for counts in restarts:
+        for order in orders({word[0]: int(word[1:]) for word in counts.split()}):
+            written = " ".join(name + {"start": "+", "kill": "-"}[what] for what, name in order)
+            found += [pytest.param(order, gap, id=f"{written}, {gap // 1000} us") for gap in gaps]
+    return found
+
+
+def in_order(order: list[tuple[str, str]], gap: int) -> None:
+    names = "".join(sorted({name for _, name in order}))
+    run(names, [(number * gap, *event) for number, event in enumerate(order)])
+
+
+@pytest.mark.parametrize(("order", "gap"), every("a0 b0", gaps=[0, 3 * MILLISECOND, 5 * SECOND]))
+def test_two_are_started_in_any_order(order: list[tuple[str, str]], gap: int) -> None:
+    in_order(order, gap)
+
+
+@pytest.mark.parametrize(("order", "gap"), every("a0 b0 c0", gaps=[3 * MILLISECOND]))
+def test_three_are_started_in_any_order(order: list[tuple[str, str]], gap: int) -> None:
+    in_order(order, gap)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("order", "gap"),
+    every(
+        "a1 b0",
+        "a0 b1",
+        "a1 b1",
+        "a2 b0",
+        "a0 b2",
+        gaps=[0, *(each * MILLISECOND for each in (3, 60, 400, 900, 1000, 2000))],
+    ),
+)
+def test_two_are_started_killed_and_restarted_in_every_order(
+    order: list[tuple[str, str]], gap: int
+) -> None:
+    in_order(order, gap)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("order", "gap"),
+    [
+        *every("a0 b0 c0", gaps=[0, 2 * SECOND]),
+        *every(
+            "a1 b0 c0",
+            "a0 b1 c0",
+            "a0 b0 c1",
+            gaps=[3 * MILLISECOND, 60 * MILLISECOND, 400 * MILLISECOND, 1600 * MILLISECOND],
+        ),
+        *every("a1 b1 c0", "a1 b0 c1", "a0 b1 c1", gaps=[30 * MILLISECOND, 900 * MILLISECOND]),
+    ],
+)
+def test_three_are_started_killed_and_restarted_in_every_order(
+    order: list[tuple[str, str]], gap: int
+) -> None:
+    in_order(order, gap)
 
 
 @pytest.mark.parametrize("away", AWAY)
