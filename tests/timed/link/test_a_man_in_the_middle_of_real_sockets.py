@@ -1,28 +1,32 @@
-"""Two real processes with an attacker between their sockets: nobody ends, everybody comes back."""
+"""Two real stations with an attacker between their sockets: no loop ends, everybody comes back."""
 
 from __future__ import annotations
 
-import json
+import contextlib
+import os
 import threading
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from cosim.link.wire.transport import Address
-from cosim.record import open_run
 from cosim.testing.proxy import Proxy
 from tests.support.link.attacker import CALM, Attacker
+from tests.support.link.processes import NAMES, Listener, check_bounds, free_ports, link_of, station
 from tests.support.link.whole import MILLISECOND, SECOND
-from tests.timed.link.test_two_processes import free_ports, station
+from tests.support.machine import timed
 
-FADE, RESUME, MAX_FORCE = 52, 1024, 2.5
-HOLD = 0.03125
-NAMES = ("station_a", "station_b")
+JOIN = 1200 * MILLISECOND + 2500 * MILLISECOND + 1400 * MILLISECOND
+"""Until somebody looks whether a session is dead, a start, and its ramp."""
+TICK_NS = 1e9 / 1024
+STALL = 0.015
+"""A machine that wakes a process so late (s) keeps values back for as long as the hold lasts."""
 
 
 class Direction:
-    """One direction of an attacker, in time since both were started."""
+    """One direction of an attacker, in time since both looked for each other."""
 
     def __init__(self, attacker: Attacker, source: str, target: str) -> None:
         self.attacker, self.ends = attacker, (source, target)
@@ -35,51 +39,116 @@ class Direction:
         return [(due + self.began, content) for due, content in treated]
 
 
+class Processes:
+    """What an attacker does to a simulated world, done to two processes and the proxy between."""
+
+    def __init__(self, seed: int, out: Path) -> None:
+        self.out = out
+        ports = free_ports()
+        self.attacker = Attacker(seed, list(NAMES), way=MILLISECOND)
+        there, back = (Direction(self.attacker, *ends) for ends in (NAMES[::-1], NAMES))
+        self.directions = there, back
+        self.proxy = Proxy(Address("127.0.0.1", 0), Address("127.0.0.1", ports[0]), there, back)
+        self.ports = {
+            "station_a": (ports[0], self.proxy.inner_address.port),
+            "station_b": (self.proxy.address.port, ports[1]),
+        }
+        self.wire = SimpleNamespace(now=0, put=self._put)
+        self.stations: dict[str, Listener] = {}
+        self.folders: dict[str, Path] = {}
+        self.starts = 0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._relay)
+
+    def _relay(self) -> None:
+        # The attacker is as punctual as the loops are, or he is the network's worst part.
+        with contextlib.suppress(OSError, AttributeError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
+        self.proxy.run(self._stop)
+
+    def _put(self, _due: int, _source: str, target: str, content: bytes) -> None:
+        self.proxy.send(content, is_forward=target == "station_a")
+
+    def start(self, name: str) -> None:
+        self.starts += 1
+        folder = self.out / str(self.starts)
+        process = station(
+            name, self.ports[name], folder, "--realtime", "--duration", "60", own_session=True
+        )
+        self.stations[name] = Listener(process)
+        self.folders[name] = folder / name
+
+    def kill(self, name: str) -> None:
+        found = self.stations.pop(name, None)
+        if found is not None:
+            found.kill()
+
+    def run(self) -> int:
+        """The attacker's schedule, and the time that all need after it; when that begins (ns)."""
+        self._thread.start()
+        for name in NAMES:
+            self.start(name)
+        self._wait_for(self.waiting)
+        began = time.monotonic_ns()
+        for direction in self.directions:
+            direction.began = began
+        for at, act in sorted(self.attacker.events(self), key=lambda event: event[0]):
+            self.wire.now = at
+            time.sleep(max(0.0, (began + at - time.monotonic_ns()) * 1e-9))
+            act()
+        self._wait_for(self.waiting)
+        since = [each.waits_since or 0 for each in self.stations.values()]
+        calm = max(began + CALM, *since) + JOIN
+        time.sleep(max(0.0, (calm + SECOND - time.monotonic_ns()) * 1e-9))
+        return calm
+
+    def waiting(self) -> bool:
+        return all(each.waits_since is not None for each in self.stations.values())
+
+    def _wait_for(self, condition) -> None:
+        end = time.monotonic() + 60.0
+        while not condition():
+            said = {name: each.words for name, each in self.stations.items()}
+            assert time.monotonic() < end, said
+            assert all(each.process.poll() is None for each in self.stations.values()), said
+            time.sleep(0.01)
+
+    def close(self) -> None:
+        for each in self.stations.values():
+            each.kill()
+        self._stop.set()
+        self._thread.join()
+
+
+def survive(seed: int, out: Path) -> bool | str:
+    """One schedule; a sentence where the forces did not come back in time."""
+    world = Processes(seed, out)
+    try:
+        calm = world.run()
+        ends = {name: time.monotonic_ns() for name in world.stations}
+        codes = {name: each.stop() for name, each in world.stations.items()}
+        words = {name: each.words for name, each in world.stations.items()}
+    finally:
+        world.close()
+    # Ended by us, in order, and by nothing before.
+    assert codes == dict.fromkeys(NAMES, 1), words
+    assert all("Interrupted at tick" in "".join(said) for said in words.values()), words
+    for name, peer in (NAMES, NAMES[::-1]):
+        folder = world.folders[name]
+        link = link_of(folder)
+        assert link["peers"][peer]["faulty"] == 0
+        assert link["handshake_process"]["absurd"] == 0
+        weight = check_bounds(folder, peer)
+        first = max(0, int((calm - link["epoch"]) / TICK_NS) - link["first_tick"])
+        last = int((min(ends.values()) - link["epoch"]) / TICK_NS) - link["first_tick"]
+        back = weight[first : last - 64]
+        assert len(back) > 256, f"{name} ended before it could come back"
+        if back.min() < 1.0:
+            return f"{name} saw its peer at {back.min():.3f} when both had been back"
+    return True
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_two_processes_survive_a_drawn_schedule(tmp_path, seed: int) -> None:
-    ports = free_ports()
-    attacker = Attacker(seed, list(NAMES), way=MILLISECOND)
-    there, back = (Direction(attacker, *ends) for ends in (NAMES[::-1], NAMES))
-    proxy = Proxy(Address("127.0.0.1", 0), Address("127.0.0.1", ports[0]), there, back)
-    stop = threading.Event()
-    thread = threading.Thread(target=proxy.run, args=(stop,))
-    thread.start()
-    try:
-        duration = ("--duration", str(CALM // SECOND + 6))
-        processes = [
-            station("station_a", (ports[0], proxy.inner_address.port), tmp_path, *duration),
-            station("station_b", (proxy.address.port, ports[1]), tmp_path, *duration),
-        ]
-        outputs = [process.communicate(timeout=120) for process in processes]
-    finally:
-        stop.set()
-        thread.join()
-    assert [process.returncode for process in processes] == [0, 0], outputs
-    for name, peer in (NAMES, NAMES[::-1]):
-        link = json.loads((tmp_path / name / "manifest.json").read_text())["link"]
-        assert link["peers"][peer]["faulty"] == 0
-        assert link["handshake_process"]["absurd"] == 0
-        with open_run(tmp_path / name) as run:
-            weight = np.asarray(run[f"link_{peer}.lan.weight"].values)
-            forces = [
-                np.hypot(
-                    *(run[f"vr_{name[-1]}.finger_{f}.force[{axis}]"].values for axis in (1, 2))
-                )
-                for f in (1, 2)
-            ]
-        assert max(float(force.max()) for force in forces) <= MAX_FORCE + 1e-9
-        steps = np.diff(weight)
-        starts = (weight[:-1] == 0.0) & (weight[1:] == 1.0)
-        assert starts.sum() <= 1
-        assert steps[~starts].max() <= 1.01 / RESUME
-        assert steps.min() >= -1.01 / FADE
-        # Once he let go everybody came back; a loop that the machine stops for longer than the hold
-        # fades, and is on its way back again.
-        stalled = any(worst_lateness(tmp_path / each) > HOLD for each in NAMES)
-        assert weight[-5 * RESUME :].max() == 1.0 or (stalled and weight[-5 * RESUME :].max() > 0.1)
-
-
-def worst_lateness(folder) -> float:
-    """By how much (s) a loop was late at its worst tick."""
-    return json.loads((folder / "manifest.json").read_text())["deadlines"]["worst"]
+    assert timed(lambda number: survive(seed, tmp_path / str(number)), tolerates=STALL, attempts=4)

@@ -19,20 +19,11 @@ from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.receiver import Fate
 from cosim.link.wire.packet import PacketKind
 from cosim.preparation.prepare import prepare
-from cosim.record import open_run
 from cosim.scenario import load
 from cosim.station.contract import contract_of
 from cosim.station.split import split
 from tests.support.link.key_holder import KeyHolder
-from tests.timed.link.test_two_processes import (
-    FADE,
-    MAX_FORCE,
-    NAMES,
-    RESUME,
-    free_ports,
-    link_of,
-    station,
-)
+from tests.support.link.processes import NAMES, check_bounds, ended, free_ports, link_of, station
 
 ACTIVE = 11
 A_MILLISECOND = 4
@@ -150,10 +141,9 @@ def test_two_processes_live_on_and_count_all(tmp_path, count: int) -> None:
     try:
         fuzz(peers, processes, count)
     finally:
-        outputs = [process.communicate(timeout=250) for process in processes]
+        ended(processes, 250.0)
         for peer in peers:
             peer.link.close()
-    assert [process.returncode for process in processes] == [0, 0], outputs
     for peer in peers:
         check(tmp_path, peer, count)
 
@@ -178,16 +168,5 @@ def check(folder: Path, false: FalsePeer, count: int) -> None:
         assert stream[fate] > count // 100, fate
     handshakes = link["handshake_process"]
     assert handshakes[false.own]["stray"] + handshakes["dropped"] > 0
-    with open_run(folder / name) as run:
-        weight = np.asarray(run[f"link_{false.own}.lan.weight"].values)
-        forces = [
-            np.hypot(*(run[f"vr_{name[-1]}.finger_{f}.force[{axis}]"].values for axis in (1, 2)))
-            for f in (1, 2)
-        ]
-    assert all(np.isfinite(force).all() and force.max() <= MAX_FORCE + 1e-9 for force in forces)
-    steps = np.diff(weight)
-    starts = (weight[:-1] == 0.0) & (weight[1:] == 1.0)
-    assert starts.sum() <= 1
-    assert steps[~starts].max() <= 1.01 / RESUME
-    assert steps.min() >= -1.01 / FADE
+    weight = check_bounds(folder / name, false.own)
     assert weight[-1] == 0.0

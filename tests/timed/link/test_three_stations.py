@@ -26,8 +26,8 @@ from cosim.scenario import load
 from cosim.station.contract import contract_of
 from cosim.station.split import split
 from tests.support.link.lockstep import PATIENCE, LockStepTransport
+from tests.support.link.processes import COMMAND
 from tests.support.link.support import both_ends
-from tests.timed.link.test_two_processes import COMMAND
 
 STATIONS = ("station_a", "station_b", "station_c")
 SCENARIO = "thesis/three_users"
