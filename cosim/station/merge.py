@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import lcm
 from pathlib import Path
 from typing import Any
@@ -89,6 +89,9 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     manifest: dict[str, Any] = {
         **runs[0].manifest,
         "link": None,
+        # Each station kept its own time; its manifest says how.
+        "timing": None,
+        "deadlines": None,
         "merged": {
             "first_tick": first,
             "runs": {s: str(run.folder) for s, run in zip(stations, runs, strict=True)},
@@ -113,15 +116,8 @@ def _parts(runs: list[Run], stations: list[str]) -> dict[tuple[str, int], list[_
         for label, group in run.groups.items():
             for name, signal in group.signals.items():
                 own = name if names.count(name) == 1 else f"{station}.{name}"
-                column = signal.column
-                renamed = Column(
-                    name=own,
-                    unit=column.unit,
-                    is_float=column.is_float,
-                    description=column.description,
-                    causality=column.causality,
-                    items=column.items,
-                )
+                # All that is known of a signal goes along: what it means, whose it is.
+                renamed = replace(signal.column, name=own)
                 found.setdefault((label, group.period), []).append((run, signal, renamed))
     return found
 

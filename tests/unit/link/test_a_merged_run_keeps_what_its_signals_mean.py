@@ -1,0 +1,56 @@
+"""What a station recorded means the same in the merged run, so its measures and figures work."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cosim.base.meaning import Meaning, Slot
+from cosim.base.recording import Column, RecordGroup
+from cosim.record import open_run
+from cosim.record.manifest import write_manifest
+from cosim.record.reader import RUN_FILE
+from cosim.record.writer import Recorder
+from cosim.report.summary import summarise
+from cosim.station.merge import merge_runs
+
+TICKS = 100
+POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
+
+
+def recorded(folder: Path, station: str, at: float) -> Path:
+    """A station's run: its copy of the box at rest ``at`` (m)."""
+    folder.mkdir()
+    columns = tuple(
+        Column(
+            name=f"vr_{station}.box.{meaning.name}",
+            unit="rad" if meaning is Meaning.BOX_ANGLE else "m",
+            is_float=True,
+            items=(),
+            meaning=meaning,
+            belongs_to=Slot(None, None),
+        )
+        for meaning in POSE
+    )
+    with Recorder(folder / RUN_FILE, TICKS) as recorder:
+        recorder.begin([RecordGroup(name="fast", period=1, columns=columns)], Fraction(1024))
+        cells = recorder.buffer(0, TICKS)
+        cells[:] = np.full((TICKS, 3), at).view(np.int64)
+        recorder.commit(0, 0, TICKS)
+    write_manifest(
+        folder,
+        {"link": {"station": station, "first_tick": 0}, "scenario": {}, "deadlines": {"misses": 3}},
+    )
+    return folder
+
+
+def test_meanings_go_along_and_the_drift_between_copies_is_found(tmp_path) -> None:
+    folders = tuple(recorded(tmp_path / name, name, at) for name, at in (("a", 0.0), ("b", 0.003)))
+    merged = merge_runs(folders, tmp_path / "merged")
+    with open_run(merged.folder) as run:
+        assert {signal.meaning for signal in run.signals.values()} == set(POSE)
+        assert summarise(run).content["measures"]["drift"] == pytest.approx(0.003 * 2**0.5)
+        assert run.manifest["deadlines"] is None
