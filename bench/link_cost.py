@@ -21,9 +21,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address, UdpTransport, open_socket
 from cosim.station.admission import CompiledAdmission
 from cosim.testing.impairment import BadNetwork
@@ -59,7 +59,7 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
         link = PeerLink(
             sends=[bundles[own]],
             receives=[bundles[peer]],
-            settings=[LinkSettings()],
+            settings=[LinkForm()],
             transport=UdpTransport(socket),
             forward=lambda *_: None,
             judge=CompiledAdmission,

@@ -80,11 +80,11 @@ def _units(simulation: Simulation) -> dict[str, str]:
 def _judge_links(scenario: Scenario, problems: Problems) -> None:
     """The ``link:`` settings, of the scenario and with those of each channel over them."""
     if not scenario.link and not any(channel.options for channel in scenario.channels.values()):
-        return  # the link brings its ciphers with it, which take a while to be read
-    from cosim.link.stream.settings import LinkSettings
+        return
+    from cosim.link.stream.form import read_link
 
     with problems.at(("link",)):
-        LinkSettings.read(scenario.link, "link")
+        read_link(scenario.link, "link")
         for name, channel in scenario.channels.items():
             with problems.at(("channels", name, "link")):
-                LinkSettings.read({**scenario.link, **channel.options}, f"channel {name}")
+                read_link({**scenario.link, **channel.options}, f"channel {name}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cosim.base.meaning import Meaning
-from cosim.link.stream.settings import LinkSettings
+from cosim.link.stream.form import LinkForm
 from cosim.master.assembly.assemble import Assembly
 from cosim.station.split import Half, Peer
 
@@ -35,8 +35,8 @@ def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
     }
 
 
-def _clock(settings: list[LinkSettings]) -> str:
-    return settings[0].clock.value if settings else "follow"
+def _clock(settings: list[LinkForm]) -> str:
+    return settings[0].clock if settings else "follow"
 
 
 def _component(assembly: Assembly, name: str) -> dict[str, Any]:

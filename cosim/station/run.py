@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import lcm
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,11 +15,11 @@ from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.keys import read_key_file
 from cosim.link.session.start import EXCHANGES
 from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.form import LONGEST_DELAY
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import LONGEST_DELAY, ClockMode
 from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.preparation.prepare import Judge, prepare
@@ -164,7 +164,7 @@ def run_station(
             return _facts(own, grid, half.peers, remotes, process)
 
         execute.facts = facts
-        chooses = any(setting.delay is None for peer in half.peers for setting in peer.settings)
+        chooses = any(setting.delay == "auto" for peer in half.peers for setting in peer.settings)
         process.open(
             sockets=sockets,
             key_files=key_files,
@@ -221,7 +221,7 @@ def _bound_delays(
         say(f"the theory allows {samples} samples of delay each way: longer ways do not count")
     for peer in open_ones:
         peer.settings = [
-            replace(setting, max_delay=max(samples, setting.delay or 1))
+            setting.model_copy(update={"max_delay": max(samples, setting.least_delay)})
             if setting.max_delay is None
             else setting
             for setting in peer.settings
@@ -288,7 +288,7 @@ def _remote(
         hear=process.hear,
         judge=CompiledAdmission,
     )
-    free = any(setting.clock is ClockMode.FREE for setting in peer.settings)
+    free = any(setting.clock == "free" for setting in peer.settings)
     return RemoteStation(
         link,
         grid=grid,

@@ -13,8 +13,8 @@ from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.suggest import did_you_mean
 from cosim.link.stream.bundle import Field, PacketBundle
+from cosim.link.stream.form import LinkForm, read_link
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
-from cosim.link.stream.settings import LinkSettings
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Bundle as WiredBundle
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
@@ -51,7 +51,7 @@ class Peer:
     """Name of the remote-station component that stands for it."""
     sends: list[PacketBundle] = field(default_factory=list[PacketBundle])
     receives: list[PacketBundle] = field(default_factory=list[PacketBundle])
-    settings: list[LinkSettings] = field(default_factory=list[LinkSettings])
+    settings: list[LinkForm] = field(default_factory=list[LinkForm])
     """One for each incoming stream."""
 
 
@@ -180,9 +180,7 @@ class _Splitter:
             stream=len(list_),
         )
         list_.append(linked)
-        settings = LinkSettings.read(
-            {**self.scenario.link, **channel.options}, f"channel {channel.name}"
-        )
+        settings = read_link({**self.scenario.link, **channel.options}, f"channel {channel.name}")
         via = channel.name if settings.add_impairments else None
         if via is not None:
             self._keep_impairments(channel)

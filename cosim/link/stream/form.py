@@ -1,12 +1,17 @@
-"""``link:`` of a scenario or a channel as it is written; ``settings`` are what is obeyed."""
+"""``link:`` of a scenario or a channel: what is written, and what is obeyed."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from cosim.base.document.form import Form, QuantityIn
+from cosim.base.document.form import Form, QuantityIn, plain_node, read_form
+from cosim.base.errors import Location
+
+LONGEST_DELAY = 16
+"""Samples, where neither the scenario nor its theory says how long the way may be."""
 
 Samples = Annotated[
     int,
@@ -33,35 +38,68 @@ Delay = Annotated[
 ]
 
 
-class LinkForm(Form):
+class LossPolicy(Form):
+    """When a peer is given up and how it comes back."""
+
+    hold_samples: Samples = Field(
+        default=4,
+        description="Samples that may be missing, and that a source may be stale, before the fade.",
+    )
+    hold: Seconds = Field(default=0.03125, description="Bound of that time.")
+    fade: Seconds = Field(default=0.05, description="Time in which `peer_weight` goes to 0.")
+    resume: Seconds = Field(default=1.0, description="Time in which it goes back to 1.")
+    resume_samples: Samples = Field(
+        default=16, description="Good samples in a row before a lost peer comes back."
+    )
+    ramp_at_start: bool = Field(
+        default=False,
+        description="Whether the first session waits for good samples and ramps up, too: "
+        "there is a hand already.",
+    )
+
+
+class LinkForm(LossPolicy):
     """How a real link behaves; a channel's `link` goes over the scenario's."""
 
-    release: Literal["network_tick", "arrival"] | None = Field(
-        default=None, description="When a packet's values are taken over."
+    release: Literal["network_tick", "arrival"] = Field(
+        default="network_tick", description="When a packet's values are taken over."
     )
-    delay: Delay | None = Field(
-        default=None, description="Least delay in samples, or `auto`: measured before the start."
+    delay: Delay = Field(
+        default=1,
+        description="Least delay in samples, for which packets that come sooner wait: more of it "
+        "absorbs more jitter. `auto`: what nine packets of ten need, measured before the start.",
     )
     max_delay: Samples | None = Field(
-        default=None, description="Longest way in samples after which values still count."
+        default=None,
+        description="Longest way in samples that may count; without it as the theory says, else "
+        f"{LONGEST_DELAY}.",
     )
-    clock: Literal["follow", "free"] | None = Field(
-        default=None, description="What keeps the stations' ticks together."
+    clock: Literal["follow", "free"] = Field(
+        default="follow",
+        description="Whether the stations' ticks are held together: the station whose name sorts "
+        "first leads, the others slew their period. `free`: each keeps its own.",
     )
-    add_impairments: bool | None = Field(
-        default=None, description="Whether the channel's impairments come on top of the link's."
+    add_impairments: bool = Field(
+        default=False,
+        description="Whether the channel's simulated delay, jitter and loss come on top of the "
+        "real link's.",
     )
-    hold_samples: Samples | None = Field(
-        default=None, description="Missing samples that are held in full before the fade."
-    )
-    hold: Seconds | None = Field(
-        default=None, description="Bounds the hold where the samples last longer (s)."
-    )
-    fade: Seconds | None = Field(default=None, description="How long a lost peer fades out (s).")
-    resume: Seconds | None = Field(default=None, description="How long it comes back (s).")
-    resume_samples: Samples | None = Field(
-        default=None, description="Good samples in a row before it comes back."
-    )
-    ramp_at_start: bool | None = Field(
-        default=None, description="Whether the first session ramps up, too."
-    )
+
+    @property
+    def least_delay(self) -> int:
+        """Samples; one where it is chosen before the start."""
+        return self.delay if isinstance(self.delay, int) else 1
+
+    @property
+    def longest_delay(self) -> int:
+        """The longest way in samples after which a packet's values may still be used."""
+        return max(self.max_delay or LONGEST_DELAY, self.least_delay)
+
+
+def read_link(options: Mapping[str, Any], where: str) -> LinkForm:
+    """The settings in a mapping; ``where`` names the place.
+
+    Raises:
+        InputError: unknown names, or values that make no sense.
+    """
+    return read_form(LinkForm, plain_node(options, Location(where, 0, 0)), "'link'")

@@ -7,9 +7,10 @@ to zero without a jump while the own loop stays alive.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
+
+from cosim.link.stream.form import LossPolicy
 
 
 class PeerState(IntEnum):
@@ -44,20 +45,6 @@ class Reason(IntEnum):
     """The peer's source is not active, or it has announced its stop."""
     STALLED = 7
     """The own loop stood still for longer than the hold time."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LossPolicy:
-    """When a peer is given up and how it comes back; times in seconds, samples of the link."""
-
-    hold_samples: int = 4
-    hold: float = 0.03125
-    """Bounds the hold where four samples last longer."""
-    fade: float = 0.05
-    resume: float = 1.0
-    resume_samples: int = 16
-    ramp_at_start: bool = False
-    """Whether the first session, too, waits for good samples and ramps up (a hand is there)."""
 
 
 class PeerWeight:

@@ -15,10 +15,10 @@ from cosim.link.session.keys import SessionKeys
 from cosim.link.stream.admission import Admission, PacketJudge
 from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.clock import ClockEstimate
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.path import Acknowledgements, RoundTrips
 from cosim.link.stream.peer import PeerState, PeerWeight, Reason
-from cosim.link.stream.receiver import WAITING_SLOTS, Fate, Receiver, ReceiverSettings
-from cosim.link.stream.settings import LinkSettings
+from cosim.link.stream.receiver import WAITING_SLOTS, Fate, Receiver, ReceiverSettings, Release
 from cosim.link.wire.packet import HEADER, DataWriter, Opener, PacketFlag, PacketKind, Sealer
 from cosim.link.wire.transport import LARGEST_READ, Transport
 
@@ -67,7 +67,7 @@ class PeerLink:
         *,
         sends: Sequence[PacketBundle],
         receives: Sequence[PacketBundle],
-        settings: Sequence[LinkSettings],
+        settings: Sequence[LinkForm],
         transport: Transport,
         forward: Callable[[memoryview, int], None],
         hear: Callable[[], None] = lambda: None,
@@ -171,7 +171,7 @@ class PeerLink:
         self._trips.preset(round_trip)
         for number, item in enumerate(self.incoming):
             receiver = item.receiver
-            if self.settings[number].delay is None and receiver.sequence < 0:
+            if self.settings[number].delay == "auto" and receiver.sequence < 0:
                 sample = receiver.bundle.tick * receiver.bundle.period * 1_000_000_000
                 delay = max(1, math.ceil(incoming / sample))
                 most = self._most(number) // receiver.bundle.period
@@ -443,13 +443,13 @@ class PeerLink:
             self._acks.sent(session, sequence, at[0])
 
 
-def _incoming(bundle: PacketBundle, setting: LinkSettings, judge: PacketJudge) -> Incoming:
-    weight = PeerWeight(setting.loss, period=bundle.period, tick=bundle.tick)
-    delay = setting.delay or 1
+def _incoming(bundle: PacketBundle, setting: LinkForm, judge: PacketJudge) -> Incoming:
+    weight = PeerWeight(setting, period=bundle.period, tick=bundle.tick)
+    delay = setting.least_delay
     receiver = Receiver(
         bundle,
         ReceiverSettings(
-            release=setting.release,
+            release=Release(setting.release),
             delay=delay,
             late_after=delay * bundle.period + weight.hold,
             # A station that was held up meets the others' packets early until it has caught up;

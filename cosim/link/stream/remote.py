@@ -20,7 +20,6 @@ from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import Incoming, PeerLink
-from cosim.link.stream.settings import ClockMode
 
 
 class Grid:
@@ -208,7 +207,7 @@ class RemoteStation(Component):
         slip = -int(self._phase() / self.grid.tick_ns)
         for item, setting in zip(link.incoming, link.settings, strict=True):
             # A grid that is being slewed is not a grid that slides, unless it is far off.
-            near = setting.clock is ClockMode.FOLLOW and abs(slip) < item.receiver.bundle.period
+            near = setting.clock == "follow" and abs(slip) < item.receiver.bundle.period
             item.receiver.slip = 0 if near else slip
 
     def _follow(self) -> None:

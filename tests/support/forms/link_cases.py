@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cosim.link.stream.settings import LinkSettings
+from cosim.link.stream.form import LinkForm
 from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import SimulatedStation, run, share_session
@@ -26,7 +26,7 @@ LINK_CASES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
 }
 
 
-def what_two_stations_do(settings: LinkSettings) -> list[Any]:
+def what_two_stations_do(settings: LinkForm) -> list[Any]:
     """Weight, position and phase of every tick of a second over a late and lossy network."""
     network = Network()
     network.join("a", "b", BadNetwork(delay=0.012, jitter=0.004, loss=0.2))

@@ -20,7 +20,9 @@ from hil.setup.registry import find, names
 from tests.support.forms.walk import forms_in
 
 DOCS = Path(__file__).parents[3] / "docs"
-MARK = re.compile(r"(<!-- keys of (\w+) -->\n)(.*?)(<!-- end of keys -->)", re.DOTALL)
+MARK = re.compile(
+    r"(<!-- keys of (\w+)( with defaults)? -->\n)(.*?)(<!-- end of keys -->)", re.DOTALL
+)
 
 
 def forms() -> dict[str, type[BaseModel]]:
@@ -38,16 +40,31 @@ def forms() -> dict[str, type[BaseModel]]:
 def written(text: str) -> str:
     """A page with its tables as the forms have them."""
     known = forms()
-    return MARK.sub(lambda mark: f"{mark[1]}\n{table(known[mark[2]])}\n{mark[4]}", text)
+
+    def renewed(mark: re.Match[str]) -> str:
+        keys = table(known[mark[2]], with_defaults=mark[3] is not None)
+        return f"{mark[1]}\n{keys}\n{mark[5]}"
+
+    return MARK.sub(renewed, text)
 
 
-def table(form: type[BaseModel]) -> str:
+def table(form: type[BaseModel], *, with_defaults: bool = False) -> str:
     """The keys of a form, what they take, and what they mean."""
-    lines = ["| key | takes | meaning |", "|---|---|---|"]
+    columns = ["key", "takes", *(["default"] if with_defaults else []), "meaning"]
+    lines = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
     for name, field in form.model_fields.items():
         takes = _takes(field.annotation, field.metadata) or "a mapping"
-        lines.append(f"| `{field.alias or name}` | {takes} | {field.description or ''} |")
+        cells = [f"`{field.alias or name}`", takes]
+        cells += [_default(field.default)] if with_defaults else []
+        lines.append(f"| {' | '.join([*cells, field.description or ''])} |")
     return "\n".join(lines) + "\n"
+
+
+def _default(value: Any) -> str:
+    """A default as it would be written; nothing where there is none."""
+    if value is None or not isinstance(value, bool | int | float | str):
+        return ""
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
 
 
 def _takes(kind: Any, notes: Any = ()) -> str:

@@ -21,9 +21,9 @@ from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.messages import ARMED, DATAGRAM, LIVE, STATUS
 from cosim.link.session.negotiator import SessionNegotiator
 from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.packet import PacketKind
 from tests.support.link.simulated import SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, bundle
@@ -123,7 +123,7 @@ class Station:
         self, name: str, others: list[str], wire: Wire, clock: SkewedClock, settings=None
     ) -> None:
         self.name, self.others, self.wire, self.clock = name, others, wire, clock
-        self.settings = settings or LinkSettings()
+        self.settings = settings or LinkForm()
         self.alive = True
         self.live = False
         self.running = False
@@ -312,7 +312,7 @@ class World:
     clocks: dict[str, SkewedClock] = field(default_factory=dict)
     stations: dict[str, Station] = field(default_factory=dict)
     past: list[Station] = field(default_factory=list)
-    settings: LinkSettings | None = None
+    settings: LinkForm | None = None
 
     def start(self, name: str) -> Station:
         others = [other for other in self.names if other != name]

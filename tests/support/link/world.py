@@ -13,9 +13,9 @@ import numpy as np
 from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.stream.bundle import Field, FieldRole, PacketBundle
 from cosim.link.stream.clock import PhaseFollower
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import ClockMode, LinkSettings
 from cosim.link.wire.transport import Transport
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.support import both_ends
@@ -83,7 +83,7 @@ class SimulatedStation:
     clock: SkewedClock
     rate: int = 1024
     period: int = 8
-    settings: LinkSettings = field(default_factory=LinkSettings)
+    settings: LinkForm = field(default_factory=LinkForm)
     source: Callable[[int], tuple[float, int, int, int]] = lambda tick: (
         0.0,
         tick,
@@ -111,7 +111,7 @@ class SimulatedStation:
         )
         self.tick_ns = 1e9 / self.rate
         self.grid = Grid(tick_ns=self.tick_ns, first_tick=self.first_tick)
-        follows = self.name > self.peer and self.settings.clock is ClockMode.FOLLOW
+        follows = self.name > self.peer and self.settings.clock == "follow"
         self.remote = RemoteStation(
             self.link,
             grid=self.grid,

@@ -8,7 +8,7 @@ import pytest
 
 from cosim.analysis.longest_delay import longest_delay
 from cosim.analysis.loop import read_loop
-from cosim.link.stream.settings import LONGEST_DELAY
+from cosim.link.stream.form import LONGEST_DELAY
 from cosim.master.assembly.assemble import put_together
 from cosim.scenario import load
 from cosim.station.run import _bound_delays

@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
+from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import PeerState, Reason
 from cosim.link.stream.receiver import Fate
-from cosim.link.stream.settings import LinkSettings
 from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session
@@ -18,9 +18,9 @@ START = SECOND
 WAY = BadNetwork(delay=0.002)
 
 
-def two(network: Network, settings: LinkSettings | None = None):
+def two(network: Network, settings: LinkForm | None = None):
     a, b = (
-        SimulatedStation(*names, network, SkewedClock(offset), settings=settings or LinkSettings())
+        SimulatedStation(*names, network, SkewedClock(offset), settings=settings or LinkForm())
         for names, offset in (("ab", 10**15), ("ba", -(10**12)))
     )
     share_session(a, b)
@@ -103,7 +103,7 @@ def test_whoever_is_not_heard_fades_as_whoever_hears_nothing(blind: str) -> None
 def test_a_way_that_becomes_longer_for_good_is_accepted(both_ways: bool) -> None:
     network = Network()
     network.join("a", "b", WAY)
-    a, b = two(network, LinkSettings(max_delay=16))
+    a, b = two(network, LinkForm(max_delay=16))
     run(network, [a, b], START + 2 * SECOND)
     weights = weights_of(b)
     back = network.impairers["b", "a"]
@@ -124,7 +124,7 @@ def test_a_way_that_becomes_longer_for_good_is_accepted(both_ways: bool) -> None
 def test_a_way_that_is_longer_than_the_bound_counts_for_nothing_and_says_so() -> None:
     network = Network()
     network.join("a", "b", WAY)
-    a, b = two(network, LinkSettings(max_delay=4))
+    a, b = two(network, LinkForm(max_delay=4))
     run(network, [a, b], START + 2 * SECOND)
     network.join("a", "b", BadNetwork(delay=0.082))
     run(network, [a, b], START + 8 * SECOND)
@@ -216,7 +216,7 @@ def test_a_radio_that_sleeps_costs_what_it_sleeps_and_no_more() -> None:
 def test_a_delay_that_is_chosen_is_what_nine_of_ten_need_and_then_stays() -> None:
     network = Network()
     network.join("a", "b", BadNetwork(delay=0.020, jitter=0.003))
-    a, b = two(network, LinkSettings(delay=None, max_delay=8))
+    a, b = two(network, LinkForm(delay="auto", max_delay=8))
     for station in (a, b):
         station.link.expect(40_000_000, 24_000_000)
     run(network, [a, b], START + 4 * SECOND)
@@ -225,7 +225,7 @@ def test_a_delay_that_is_chosen_is_what_nine_of_ten_need_and_then_stays() -> Non
     assert receiver.overdue < 0.1 * receiver.counts[Fate.ACCEPTED]
     b.link.expect(400_000_000, 240_000_000)
     assert receiver.settings.delay == 4
-    capped = two(network, LinkSettings(delay=None, max_delay=3))[1]
+    capped = two(network, LinkForm(delay="auto", max_delay=3))[1]
     capped.link.expect(400_000_000, 240_000_000)
     assert capped.link.incoming[0].receiver.settings.delay == 3
 

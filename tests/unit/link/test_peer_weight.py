@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.stream.peer import LossPolicy, PeerState, PeerWeight, Reason
+from cosim.link.stream.form import LossPolicy
+from cosim.link.stream.peer import PeerState, PeerWeight, Reason
 
 TICK = Fraction(1, 1024)
 PERIOD = 8

@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
-from cosim.link.stream.peer import LossPolicy, PeerState
+from cosim.link.stream.form import LinkForm
+from cosim.link.stream.peer import PeerState
 from cosim.link.stream.receiver import Fate
-from cosim.link.stream.settings import ClockMode, LinkSettings
 from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session
@@ -28,7 +28,7 @@ def two(network: Network, skew: float = 0.0, start_error: int = 0, **settings):
     return a, b
 
 
-FREE = LinkSettings(clock=ClockMode.FREE)
+FREE = LinkForm(clock="free")
 FULL_RATE = pytest.param(1024, 8, marks=pytest.mark.slow)
 
 
@@ -54,7 +54,7 @@ def test_ten_minutes_with_drifting_crystals_keep_n_constant(
             phases.append(station.value("phase"))
 
     # At 32 Hz two packets lost in a row are longer than the hold.
-    settings = LinkSettings(loss=LossPolicy(hold=1.0))
+    settings = LinkForm(hold=1.0)
     a, b = two(network, skew, start_error=200_000, rate=rate, period=period, settings=settings)
     a.watch = b.watch = watch
     run(network, [a, b], START + 600 * SECOND)

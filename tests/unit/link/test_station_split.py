@@ -6,9 +6,9 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.link.session.contract import Contract
+from cosim.link.stream.form import read_link
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.stream.settings import LinkSettings
 from cosim.link.wire.transport import Address
 from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
@@ -154,15 +154,15 @@ def test_every_pair_has_a_key_of_its_own(tmp_path) -> None:
 )
 def test_link_settings_are_checked(options, message) -> None:
     with pytest.raises(InputError) as caught:
-        LinkSettings.read(options, "channel lan")
+        read_link(options, "channel lan")
     assert message in str(caught.value)
 
 
 def test_link_settings_are_read() -> None:
     options = {"release": "arrival", "delay": 2, "fade": "20 ms", "resume": 0.5, "clock": "free"}
-    settings = LinkSettings.read(options, "channel lan")
+    settings = read_link(options, "channel lan")
     assert (settings.release, settings.delay, settings.clock) == ("arrival", 2, "free")
-    assert (settings.loss.fade, settings.loss.resume) == (0.02, 0.5)
+    assert (settings.fade, settings.resume) == (0.02, 0.5)
 
 
 ADD = "add_impairments: true"

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from cosim.base.errors import CohapticError
-from cosim.link.stream.settings import LinkSettings
+from cosim.link.stream.form import read_link
 from cosim.master.assembly.assemble import put_together
 from cosim.reading import FORMS
 from cosim.record import open_run
@@ -115,9 +115,9 @@ def test_playback_plays_the_component_that_is_named(tmp_path) -> None:
 @pytest.mark.parametrize("key", sorted(LINK_CASES))
 def test_a_link_obeys_each_of_its_settings(key) -> None:
     common, one, two = LINK_CASES[key]
-    first = what_two_stations_do(LinkSettings.read({**common, **one}, "link"))
-    assert first == what_two_stations_do(LinkSettings.read({**common, **one}, "link"))
-    assert first != what_two_stations_do(LinkSettings.read({**common, **two}, "link"))
+    first = what_two_stations_do(read_link({**common, **one}, "link"))
+    assert first == what_two_stations_do(read_link({**common, **one}, "link"))
+    assert first != what_two_stations_do(read_link({**common, **two}, "link"))
 
 
 def test_impairments_come_on_top_of_a_link_where_they_are_asked_for() -> None:
@@ -139,7 +139,7 @@ def test_a_link_in_a_channel_goes_over_the_scenarios(tmp_path) -> None:
 
     plain, outer = settings(), settings("link.fade='70 ms'")
     inner = settings("link.fade='70 ms'", "channels.lan.link.fade='90 ms'")
-    assert [each[0].loss.fade for each in (plain, outer, inner)] == [0.05, 0.07, 0.09]
+    assert [each[0].fade for each in (plain, outer, inner)] == [0.05, 0.07, 0.09]
 
 
 PREDICATES = sorted(
