@@ -139,6 +139,8 @@ class Connection:
     initial: Literal["source", "start"] = "source"
     """What is held before the first sample arrives: the source's value at tick 0, or the input's
     own start value."""
+    ignores_unit: bool = False
+    """Whether the number passes as it is, whatever the units of both ends say."""
 
     def __str__(self) -> str:
         return f"{self.source} -> {self.target}" + (f" via {self.via}" if self.via else "")

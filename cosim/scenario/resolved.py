@@ -111,6 +111,8 @@ def _connection(connection: Connection) -> str | dict[str, Any]:
         written["delay"] = _delay(connection.delay)
     if connection.initial != "source":
         written["initial"] = connection.initial
+    if connection.ignores_unit:
+        written["unit"] = "ignore"
     is_short = written.keys() <= {"from", "to", "via"} and " " not in f"{connection.source}"
     return str(connection) if is_short and " " not in str(connection.target) else written
 

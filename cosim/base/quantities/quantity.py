@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
+from types import MappingProxyType
 
 from cosim.base.document.show import show
 from cosim.base.document.typography import comma_in_number, odd_characters
@@ -60,8 +63,17 @@ def exact(number: float) -> Fraction:
     return Fraction(repr(number))
 
 
-def quantity(value: float | str, unit: str | Unit) -> Fraction:
+def quantity(
+    value: float | str,
+    unit: str | Unit,
+    *,
+    own: Mapping[str, Unit] = MappingProxyType({}),
+    difference: bool = False,
+) -> Fraction:
     """A value in ``unit``: a plain number is in ``unit`` already, a text is converted to it.
+
+    ``own`` holds units that are defined beside those known here, by name, and come first.
+    A ``difference`` has no offset, whatever unit it is written in.
 
     Raises:
         QuantityError: no number, or a unit of another dimension.
@@ -71,8 +83,12 @@ def quantity(value: float | str, unit: str | Unit) -> Fraction:
     number, spelling = split_quantity(value)
     if spelling is None:
         return number
+    if spelling == (unit.name if isinstance(unit, Unit) else unit):
+        return number
     wanted = unit if isinstance(unit, Unit) else _unit(unit)
-    given = wanted if spelling == wanted.name else _unit(spelling)
+    given = own.get(spelling) or _unit(spelling)
+    if difference:
+        wanted, given = (replace(each, offset=Fraction(0)) for each in (wanted, given))
     if given == wanted:
         return number
     if given.exponents is None or given.exponents != wanted.exponents:

@@ -20,7 +20,7 @@ from cosim.master.assembly.wiring import Signal, Wiring
 from cosim.master.components.participants import (
     Factory,
     Participant,
-    broken_rules,
+    notes_of,
     read_participants,
 )
 from cosim.scenario import Kind, Scenario
@@ -99,7 +99,7 @@ def put_together(
                 *wiring.notes,
                 *of_rates,
                 *differing_copies(scenario, participants),
-                *broken_rules(participants),
+                *notes_of(participants),
             ),
         )
     problems.raise_if_any()

@@ -63,6 +63,7 @@ class _Wirer:
 
     def _connect(self, connection: Connection) -> None:
         pairs = list(self._pairs(connection))
+        self._check_unit_ignored(connection, pairs)
         bundle = self._bundle(connection)
         for pair in pairs:
             self._check_driver(connection, pair)
@@ -208,6 +209,15 @@ class _Wirer:
                 f"{pair.source_variable.name}; only a simulated one has it"
             )
 
+    def _check_unit_ignored(self, connection: Connection, pairs: list[_Pair]) -> None:
+        """What is to be ignored has to be there."""
+        if connection.ignores_unit and all(
+            conversion(pair.source_unit, pair.target_unit) == (1.0, 0.0)
+            and pair.source_variable.is_relative == pair.target_variable.is_relative
+            for pair in pairs
+        ):
+            raise InputError(f"{connection}: the units of both ends agree; leave 'unit' out")
+
     def _is_playback(self, connection: Connection) -> bool:
         """A record keeps booleans as whole numbers; the kernel sees to it that they are 0 or 1."""
         source = self.scenario.components.get(connection.source.component)
@@ -230,6 +240,8 @@ class _Wirer:
             and (not self._is_playback(connection))
         ):
             raise InputError(f"{names} cannot drive {into}: only a boolean can")
+        if connection.ignores_unit:
+            return (1.0, 0.0, from_integer)
         ends = {there.is_relative: pair.source_unit, here.is_relative: pair.target_unit}
         if len(ends) == 2 and (absolute := ends[False]) is not None and absolute.offset:
             raise InputError(
@@ -237,17 +249,29 @@ class _Wirer:
                 f"the other an absolute value in {absolute.name}"
             )
         factor = conversion(pair.source_unit, pair.target_unit)
+        if factor is None and (unknown := _known_by_name_only(pair)):
+            self.wiring.notes.append(
+                f"{connection}: nobody says what {unknown} measures, so {there.unit} passes to "
+                f"{here.unit} as it is (unit: ignore says so without a note)"
+            )
+            return (1.0, 0.0, from_integer)
         if factor is None:
             raise InputError(
                 f"{_source_name(self.interfaces, connection, pair)} is in {there.unit} and "
                 f"{_name(self.interfaces, pair.target)} in {here.unit}; they measure different "
-                "things"
+                "things (unit: ignore on the connection passes the number as it is)"
             )
         if factor != (1.0, 0.0):
             if not here.type.is_float:
                 raise InputError(f"{names} in {there.unit} cannot drive {into} in {here.unit}")
             self.wiring.notes.append(f"{connection}: {there.unit} is converted to {here.unit}")
         return (*factor, from_integer)
+
+
+def _known_by_name_only(pair: _Pair) -> str:
+    """The unit of either end that is only a word."""
+    units = (pair.source_unit, pair.target_unit)
+    return next((unit.name for unit in units if unit is not None and unit.exponents is None), "")
 
 
 class _Known(InputError):

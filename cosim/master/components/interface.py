@@ -61,6 +61,8 @@ class Interface:
     )
     terminals: Mapping[str, Mapping[str, str]] = field(default_factory=dict[str, Mapping[str, str]])
     units: Mapping[str, Unit] = field(default_factory=dict[str, Unit])
+    skipped: frozenset[str] = frozenset()
+    """Variables of the FMU that have values in event mode alone."""
     elements: dict[str, Element] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -129,6 +131,11 @@ class Interface:
         }
         if group:
             return Selection("group", group, named=True)
+        if path in self.skipped:
+            raise InputError(
+                f"{self.component}.{path} belongs to a clock, which ticks in event mode alone; it "
+                "cannot be connected or recorded"
+            )
         raise InputError(f"{self.component} has no variable '{path}'.{self.suggest(path)}")
 
     def suggest(self, path: str) -> str:

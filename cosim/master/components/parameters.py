@@ -6,8 +6,6 @@ import math
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
@@ -163,9 +161,7 @@ def _convert(
     if isinstance(value, str):
         unit = variable.unit or "1"
         known = units.get(unit) or unit_of(unit)
-        if variable.is_relative:
-            known = replace(known, offset=Fraction(0))
-        value = _quantity(where, known, value)
+        value = _quantity(where, known, value, units, difference=variable.is_relative)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{where} is a number, not {show(value)}")
     if isinstance(value, float) and not kind.is_float and not value.is_integer():
@@ -198,10 +194,12 @@ def _brief(value: float) -> str:
     return text if len(text) <= 24 else f"{text[:12]}… ({len(text)} digits)"
 
 
-def _quantity(where: str, unit: Unit, text: str) -> float:
+def _quantity(
+    where: str, unit: Unit, text: str, own: Mapping[str, Unit], *, difference: bool
+) -> float:
     """``2.44 ms`` in the variable's unit."""
     try:
-        return float(quantity(text, unit))
+        return float(quantity(text, unit, own=own, difference=difference))
     except QuantityError as error:
         raise InputError(f"{where} is a number: {error}") from None
 

@@ -42,6 +42,8 @@ class Participant:
     """What was asked for its variables; a run takes its own from ``supply``."""
     supply: Supply | None = None
     methods: frozenset[str] = field(default_factory=frozenset[str])
+    notes: tuple[str, ...] = ()
+    """What is worth telling of it."""
 
 
 class Supply:
@@ -184,6 +186,7 @@ def _read_fmu(
         description = read_description(path, sizes)
     others = {k: v for k, v in written.parameters.items() if k not in structural}
     parameters |= _values(written, description, "parameters", others, problems)
+    substeps, note = choose_substeps(description, clock, written.period, written.substeps)
     return Participant(
         name=written.name,
         period=written.period,
@@ -191,17 +194,25 @@ def _read_fmu(
         parameters=parameters,
         start=_values(written, description, "start", written.start, problems),
         fmu=description,
-        substeps=choose_substeps(description, clock, written.period, written.substeps),
+        substeps=substeps,
+        notes=tuple(note for note in (note, *_of_description(description)) if note),
     )
 
 
-def broken_rules(participants: Mapping[str, Participant]) -> list[str]:
-    """A note for each FMU that is used though its description breaks rules of the standard."""
-    return [
-        f"{name}: its modelDescription.xml {_broken(each.fmu)}"
-        for name, each in participants.items()
-        if each.fmu is not None and each.fmu.breaks
-    ]
+def notes_of(participants: Mapping[str, Participant]) -> list[str]:
+    """What is worth telling of the components."""
+    return [f"{name}: {note}" for name, each in participants.items() for note in each.notes]
+
+
+def _of_description(description: FmuDescription) -> list[str]:
+    notes = [f"its modelDescription.xml {_broken(description)}"] if description.breaks else []
+    outputs = [n for n, why in description.skipped.items() if why == Causality.OUTPUT]
+    if outputs:
+        notes.append(
+            f"{', '.join(outputs)} of the FMU {description.path.name} belong to clocks, which "
+            "tick in event mode alone: they are skipped"
+        )
+    return notes
 
 
 def _broken(description: FmuDescription) -> str:

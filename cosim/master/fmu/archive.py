@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 import stat
 import tempfile
 import zipfile
 import zlib
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from cosim.base.errors import InputError
+from cosim.base.system.store import keep, recall
 
 _DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError)
 
@@ -43,7 +46,8 @@ def _sha256(path: Path, _mark: tuple[int, ...]) -> str:
 def unpack(path: Path, digest: str) -> Path:
     """The folder of an unpacked FMU; unpacked before if its content was met before.
 
-    ``digest`` is the file's SHA-256 (hex).
+    ``digest`` is the file's SHA-256 (hex). A folder in which a file was changed, added or lost
+    since (an FMU may write into its own resources) is unpacked anew.
 
     Raises:
         InputError: not a zip, damaged, too large, or an entry would be written outside its folder.
@@ -51,16 +55,21 @@ def unpack(path: Path, digest: str) -> Path:
     from fmus.cache import cache_directory
 
     folder = cache_directory() / "fmus" / digest
+    files = folder.with_name(f"{digest}.files")
     if folder.is_dir():
-        return folder
+        if recall(files) == _state_of(folder):
+            return folder
+        _remove(folder)
     with _open(path) as archive:
         _check_entries(path, archive)
         folder.parent.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=folder.parent))
         try:
-            archive.extractall(scratch)
+            for entry in archive.infolist():
+                archive.extract(entry, scratch)
             scratch.chmod(0o755)
             _move(scratch, folder)
+            keep(files, _state_of(folder))
         except _DAMAGE as error:
             raise InputError(f"the FMU {path} is a damaged zip archive: {error}") from None
         except OSError as error:
@@ -87,7 +96,8 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
     total = 0
     for entry in archive.infolist():
         total += entry.file_size
-        name = entry.filename.replace("\\", "/")
+        # Some tools of Windows write backslashes, which are part of a name elsewhere.
+        name = entry.filename = entry.filename.replace("\\", "/")
         place = PurePosixPath(name)
         if place.is_absolute() or ".." in place.parts or ":" in name.split("/")[0]:
             raise InputError(
@@ -98,6 +108,25 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
             raise InputError(f"the FMU {path} has a link '{entry.filename}'; it is refused")
     if total > MAX_UNPACKED:
         raise InputError(f"the FMU {path} unpacks to {total} bytes, more than {MAX_UNPACKED}")
+
+
+def _state_of(folder: Path) -> dict[str, tuple[int, int]]:
+    """Size (bytes) and time of change (ns) of every file, by its place in the folder."""
+    found: dict[str, tuple[int, int]] = {}
+    for at, _, names in os.walk(folder):
+        for name in names:
+            file = f"{at}{os.sep}{name}"
+            stat = os.lstat(file)
+            found[file] = (stat.st_size, stat.st_mtime_ns)
+    return found
+
+
+def _remove(folder: Path) -> None:
+    """Out of the way at once: another process may be about to use the name."""
+    grave = Path(tempfile.mkdtemp(prefix="changed-", dir=folder.parent))
+    with suppress(OSError):
+        folder.rename(grave / folder.name)
+    shutil.rmtree(grave, ignore_errors=True)
 
 
 def _move(scratch: Path, folder: Path) -> None:

@@ -44,6 +44,8 @@ class Library:
         except OSError as error:
             raise InputError(f"the library {path.name} cannot be loaded: {error}") from None
         self.path = path
+        self.handle: int = library._handle
+        """The system's, for unloading it."""
         self._functions: dict[str, Any] = {}
         self._addresses: dict[str, int] = {}
         for name, (result, arguments) in prototypes.items():

@@ -54,6 +54,10 @@ class FmuDescription:
     once_per_process: bool
     breaks: tuple[str, ...]
     """Rules of the standard that the description breaks, and with which it can be used."""
+    skipped: Mapping[str, str]
+    """The clocked variables, which have values in event mode alone, and their causality."""
+    needs_tool: bool
+    """Whether its library only talks to a tool that has to be installed."""
     saves_state: bool
     """Whether it offers its whole state as bytes, and takes it back."""
 
@@ -67,6 +71,7 @@ class FmuDescription:
             initial_dependencies=self.initial_dependencies,
             terminals=self.terminals,
             units=self.units,
+            skipped=frozenset(self.skipped),
         )
 
 
@@ -88,16 +93,16 @@ def parse_description(
         )
     interface = description.coSimulation
     if interface is None:
-        raise InputError(
-            f"{path} offers no co-simulation; export it for co-simulation (a model-exchange FMU "
-            "brings no solver of its own)"
-        )
+        raise InputError(f"{path} offers no co-simulation; {_offered(description)}")
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = _Shapes(dict(structure), by_reference)
     meant = read_meanings(path, folder / "modelDescription.xml")
     relative = _relative(folder / "modelDescription.xml")
     variables: dict[str, Variable] = {}
+    skipped = {v.name: str(v.causality) for v in description.modelVariables if v.clocks}
     for v in description.modelVariables:
+        if v.name in skipped:
+            continue
         try:
             variables[v.name] = _variable(
                 v,
@@ -124,23 +129,45 @@ def parse_description(
             for v in description.modelVariables
             if v.dimensions
         },
-        dependencies=_direct_dependencies(description),
-        initial_dependencies=_dependencies(description.initialUnknowns, _inputs(description)),
+        dependencies=_among(variables, _direct_dependencies(description)),
+        initial_dependencies=_among(
+            variables, _dependencies(description.initialUnknowns, _inputs(description))
+        ),
         terminals=_terminals(folder, variables),
         units={u.name: _unit(u) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
         fixed_step=_fixed_step(description),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         breaks=breaks,
+        skipped=skipped,
+        needs_tool=interface.needsExecutionTool,
         saves_state=interface.canGetAndSetFMUstate and interface.canSerializeFMUstate,
     )
+
+
+def _offered(description: Any) -> str:
+    """What an FMU without co-simulation is, and what to do."""
+    if description.modelExchange is not None:
+        return (
+            "export it for co-simulation (it is for model exchange, so that it brings no solver of "
+            "its own)"
+        )
+    if description.scheduledExecution is not None:
+        return (
+            "export it for co-simulation (it is for scheduled execution, where the importer "
+            "activates each of its clocks' partitions)"
+        )
+    return "its modelDescription.xml has no element CoSimulation"
 
 
 def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
     """FMPy's description, and the rules that it breaks: many tools break some."""
     fmpy: Any = importlib.import_module("fmpy.model_description")
-    if not (folder / "modelDescription.xml").is_file():
-        raise InputError(f"{path} has no modelDescription.xml, so it is not an FMU")
+    file = folder / "modelDescription.xml"
+    if file.is_dir():
+        raise InputError(f"modelDescription.xml of {path} is a folder, so it is not an FMU")
+    if not file.is_file():
+        raise InputError(f"{path} has no modelDescription.xml at its top, so it is not an FMU")
     try:
         try:
             return fmpy.read_model_description(str(folder)), ()
@@ -242,6 +269,17 @@ def _scalar(word: str, kind: VariableType) -> float | int | bool:
     if problem := misfit(kind, value):
         raise ValueError(f"its start is {problem}")
     return value
+
+
+def _among(
+    variables: Mapping[str, Variable], dependencies: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[str, ...]]:
+    """Those of the variables that are used, on such."""
+    return {
+        name: tuple(other for other in others if other in variables)
+        for name, others in dependencies.items()
+        if name in variables
+    }
 
 
 def _direct_dependencies(description: Any) -> dict[str, tuple[str, ...]]:

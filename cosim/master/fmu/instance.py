@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from cosim.master.fmu.binding import (
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
-from cosim.master.fmu.library import open_library
+from cosim.master.fmu.library import give_back, take_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
 from cosim.scenario.build.timebase import hertz
 
@@ -52,8 +53,9 @@ class Fmu:
         self.version = description.version
         self.substeps = substeps
         self.is_trusted = is_trusted
-        """Whether a reset is known to leave nothing of a run."""
+        """Ours: a reset is known to leave nothing of a run, and no call to change the process."""
         self._log = Log()
+        self._changed: Counter[str] = Counter()
         self._binding: Binding | None = None
         self._calling = calling
         self._initialised = False
@@ -91,8 +93,16 @@ class Fmu:
         return self._log.reasons()
 
     def said(self) -> tuple[Said, ...]:
-        """What the FMU logged as a warning or worse."""
-        return self._log.said()
+        """What the FMU logged as a warning or worse, and what it changed outside of itself."""
+        changed = (
+            Said("warning", f"it changed {what}, which was put back", count)
+            for what, count in self._changed.items()
+        )
+        return (*self._log.said(), *changed)
+
+    def disturbed(self, what: str) -> None:
+        """It has changed what belongs to the process."""
+        self._changed[what] += 1
 
     def instantiate(self) -> None:
         """Load the library and create the instance.
@@ -105,7 +115,7 @@ class Fmu:
         bound = Fmi2 if self.version == 2 else Fmi3
         self._calling("the loading of its library")
         try:
-            library = open_library(self.library, self.version)
+            library = take_library(self.library, self.version, renew=not self.is_trusted)
         except InputError as error:
             raise InputError(
                 f"{self.component}: {description.path.name}: {error.message}"
@@ -285,6 +295,7 @@ class Fmu:
             if self._initialised and not failed:
                 binding.terminate()  # whatever it returns: closing must reach every component
             binding.free()
+        give_back(self.library, self.version, lost=self.is_lost)
         self._log.close()
 
     @property
@@ -318,6 +329,18 @@ def find_binary(description: FmuDescription) -> Path:
     path = binaries / platform / (description.model_identifier + library_suffix())
     if path.is_file():
         return path
+    if path.is_dir():
+        raise InputError(
+            f"{path.relative_to(description.folder)} of the FMU {description.path} is "
+            "a folder, not a library"
+        )
+    if (binaries / platform).is_dir():
+        others = sorted(p.name for p in (binaries / platform).glob(f"*{library_suffix()}"))
+        raise InputError(
+            f"the library of the FMU {description.path} has to be called {path.name}, as its "
+            f"modelIdentifier; in {platform} "
+            + (f"there is {', '.join(others)}" if others else "there is no library at all")
+        )
     there = sorted(p.name for p in binaries.iterdir() if p.is_dir()) if binaries.is_dir() else []
     raise InputError(
         f"the FMU {description.path} has no library for {platform}, this machine; it has "
@@ -325,26 +348,28 @@ def find_binary(description: FmuDescription) -> Path:
     )
 
 
-def choose_substeps(description: FmuDescription, clock: Clock, period: int, asked: int) -> int:
-    """How many equal steps the FMU takes in one period.
+def choose_substeps(
+    description: FmuDescription, clock: Clock, period: int, asked: int
+) -> tuple[int, str]:
+    """How many equal steps the FMU takes in one period, and a note where it prefers others.
 
-    An FMU that cannot vary its step takes the step that it was made for, as often as it fits.
-
-    Raises:
-        InputError: it does not fit; says which rates do.
+    An FMU that cannot vary its step takes the step that it was made for, as often as it fits;
+    where that does not fit, steps of another length, which are legal as long as all are equal
+    (FMI 2.0.4 section 4.3.1, ``canHandleVariableCommunicationStepSize``).
     """
     fixed = description.fixed_step
     if fixed is None or asked > 1:
-        return asked
+        return asked, ""
     whole = period * clock.tick
     ratio = whole / fixed
     if ratio.denominator == 1:
-        return ratio.numerator
+        return ratio.numerator, ""
     nearest = sorted({max(1, int(ratio)), int(ratio) + 1})
     rates = " or ".join(hertz(1 / (count * fixed)) for count in nearest)
-    raise InputError(
-        f"the FMU {description.path.name} can only step by {float(fixed):g} s, which does not "
-        f"divide its period of {float(whole):g} s; give it a rate of {rates}, or say 'substeps'"
+    return asked, (
+        f"the FMU {description.path.name} was made for steps of {float(fixed):g} s, which do not "
+        f"divide its period; all its steps are {float(whole):g} s long (a rate of {rates} would "
+        "give it its own)"
     )
 
 

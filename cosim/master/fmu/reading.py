@@ -26,14 +26,17 @@ def read_description(path: Path, structure: Mapping[str, int] | None = None) -> 
     Raises:
         InputError: the archive or its description cannot be used.
     """
-    return _read(path, sha256_of(path), tuple(sorted((structure or {}).items())))
+    digest = sha256_of(path)
+    folder = unpack(path, digest)
+    return _read(path, folder, digest, tuple(sorted((structure or {}).items())))
 
 
 @lru_cache(maxsize=128)
-def _read(path: Path, digest: str, structure: tuple[tuple[str, int], ...]) -> FmuDescription:
+def _read(
+    path: Path, folder: Path, digest: str, structure: tuple[tuple[str, int], ...]
+) -> FmuDescription:
     from fmus.cache import cache_directory
 
-    folder = unpack(path, digest)
     name = hashlib.sha256(repr((digest, structure, _readers())).encode()).hexdigest()
     file = cache_directory() / "descriptions" / name
     content = recall(file)

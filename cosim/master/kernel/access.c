@@ -59,6 +59,21 @@ static void unpack(const Operation *op)
     }
 }
 
+/* The lowest and the highest value of an enumeration, for each cell. */
+typedef struct {
+    int64_t low;
+    int64_t high;
+} Range;
+
+static int64_t outside(const Operation *op)
+{
+    const Range *ranges = op->table;
+    for (int64_t i = 0; ranges && i < op->cell_count; i++)
+        if (op->cells[i].integer < ranges[i].low || op->cells[i].integer > ranges[i].high)
+            return i;
+    return -1;
+}
+
 #define PACK(TYPE, LOW, HIGH)                                                                     \
     for (int64_t i = 0; i < op->cell_count; i++) {                                                \
         int64_t value = op->cells[i].integer;                                                     \
@@ -139,7 +154,9 @@ Outcome set_values(Kernel *kernel, const Operation *op, void *instance, int64_t 
 {
     if (op->kind == KIND_SET_FLOAT64)
         return judge(kernel, call(op, instance, op->cells), warnings);
-    int64_t misfit = pack(op);
+    int64_t misfit = outside(op);
+    if (misfit < 0)
+        misfit = pack(op);
     if (misfit >= 0) {
         kernel->cell = &op->cells[misfit] - kernel->cells;
         return OUTCOME_RANGE;

@@ -54,14 +54,21 @@ static Outcome execute(Kernel *kernel)
         case KIND_SET:
             instance = &kernel->instances[op->owner];
             outcome = set_values(kernel, op, instance->instance, &instance->warnings);
+            if (instance->foreign)
+                kernel_restore_float_mode(kernel->float_mode);
             break;
         case KIND_GET_FLOAT64:
         case KIND_GET:
             instance = &kernel->instances[op->owner];
             outcome = get_values(kernel, op, instance->instance, &instance->warnings);
+            if (instance->foreign)
+                kernel_restore_float_mode(kernel->float_mode);
             break;
         case KIND_STEP:
-            outcome = do_step(kernel, &kernel->instances[op->owner]);
+            instance = &kernel->instances[op->owner];
+            outcome = do_step(kernel, instance);
+            if (instance->foreign)
+                kernel_restore_float_mode(kernel->float_mode);
             break;
         case KIND_CALL:
             outcome = OUTCOME_CALL;
@@ -100,6 +107,7 @@ EXPORT int64_t kernel_abi(void)
 /* Runs ticks until `end`; resumes where a call-out left off. */
 EXPORT int32_t kernel_run(Kernel *kernel, int64_t end)
 {
+    kernel->float_mode = kernel_float_mode();
     while (kernel->tick < end) {
         if (kernel->running < 0) {
             kernel->running = kernel->tick == 0 ? kernel->first_program
@@ -120,6 +128,7 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end)
 /* Runs one program outside the ticks (initialisation mode). */
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program)
 {
+    kernel->float_mode = kernel_float_mode();
     if (kernel->running != program) {
         kernel->running = program;
         kernel->position = 0;

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 3 };
+enum { KERNEL_ABI = 4 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -90,7 +90,7 @@ typedef struct {
     Cell *cells;        /* first cell of a set or get */
     int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
     void *scratch;      /* room for cell_count values of `type` */
-    const void *table;  /* pairs of int32 (from, to), Conversions, or int32 columns */
+    const void *table;  /* pairs of int32 (from, to), Conversions, int32 columns, or Ranges (set) */
 } Operation;
 
 /* An FMU instance and its constant step. */
@@ -101,6 +101,7 @@ typedef struct {
     int64_t period;   /* ticks */
     int64_t substeps; /* doStep calls in one period */
     double step;      /* s, of one doStep */
+    int64_t foreign;  /* not ours: it may change how the processor computes */
     int64_t warnings;
 } Instance;
 
@@ -152,6 +153,8 @@ typedef struct {
     int64_t tick_numerator; /* a tick is tick_numerator / tick_denominator seconds */
     int64_t tick_denominator;
 
+    int64_t float_mode; /* how the processor has to compute */
+
     int64_t tick;     /* the tick that is running, or the next one */
     int64_t phase;    /* tick modulo hyperperiod */
     int64_t running;  /* program that is running, -1 between ticks */
@@ -198,6 +201,8 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
 EXPORT int64_t link_admit(const Admission *admission, const double *values, int64_t ticks,
                           double *out, int64_t newest);
+EXPORT int64_t kernel_float_mode(void);
+EXPORT int64_t kernel_restore_float_mode(int64_t mode);
 EXPORT void kernel_log_open(Log *log);
 EXPORT void kernel_log_close(Log *log);
 EXPORT Log *kernel_log_stray(void);

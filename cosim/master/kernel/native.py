@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 3
+ABI = 4
 
 
 class KernelOutcome(IntEnum):
@@ -108,6 +108,7 @@ class InstanceStruct(ctypes.Structure):
         ("period", c_int64),
         ("substeps", c_int64),
         ("step", c_double),
+        ("foreign", c_int64),
         ("warnings", c_int64),
     ]
 
@@ -167,6 +168,7 @@ class KernelStruct(ctypes.Structure):
         ("records", c_void_p),
         ("tick_numerator", c_int64),
         ("tick_denominator", c_int64),
+        ("float_mode", c_int64),
         ("tick", c_int64),
         ("phase", c_int64),
         ("running", c_int64),
@@ -231,6 +233,9 @@ def library() -> Any:
     kernel.link_admit.restype = c_int64
     for function in (kernel.kernel_log_open, kernel.kernel_log_close):
         function.argtypes, function.restype = (c_void_p,), None
+    kernel.kernel_float_mode.restype = c_int64
+    kernel.kernel_restore_float_mode.argtypes = (c_int64,)
+    kernel.kernel_restore_float_mode.restype = c_int64
     kernel.kernel_log_stray.restype = ctypes.POINTER(LogStruct)
     return kernel
 

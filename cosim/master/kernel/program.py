@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.component import Cells, VariableType
+from cosim.base.component import Cells, Variable, VariableType
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.plan import Act, Action, Part, Plan, due_together
@@ -42,6 +42,8 @@ class Native(Protocol):
 
     version: int
     substeps: int
+    is_trusted: bool
+    """Whether no call changes how the processor computes."""
 
     @property
     def instance(self) -> int:
@@ -93,6 +95,9 @@ class Program:
         self.calls: dict[int, Call] = {}
         """The call-out behind an operation."""
         self._operations: list[OperationStruct] = []
+        self._accessors: list[tuple[int, str, VariableType, bool]] = []
+        """The number of each operation that sets or gets, and whose accessor it calls."""
+        self._operation_array: Any = None
         self._keep: list[Any] = []
         self._places = {name: place for place, name in enumerate(sorted(parts))}
         self._natives: Mapping[str, Native] = {}
@@ -126,6 +131,7 @@ class Program:
                 period,
                 native.substeps,
                 self.clock.step(period, native.substeps),
+                not native.is_trusted,
                 0,
             )
         self.records: Any = (RecordStruct * max(len(columns), 1))()
@@ -145,7 +151,11 @@ class Program:
         """Take note of FMUs that were made anew, and forget their warnings."""
         for name, number in self._numbers.items():
             self.instances[number].instance = self._natives[name].instance
+            self.instances[number].do_step = self._natives[name].do_step
             self.instances[number].warnings = 0
+        for number, unit, kind, is_set in self._accessors:
+            function = self._natives[unit].accessor(kind, is_set=is_set)
+            self._operation_array[number].function = function
 
     def stopped_at(self) -> Action:
         """The action at which the kernel came back."""
@@ -178,6 +188,7 @@ class Program:
         flat = np.array([number for program in programs for number in program], dtype=np.int32)
         shifted = (pattern + _EVERY).astype(np.int32)
         operations = (OperationStruct * max(len(self._operations), 1))(*self._operations)
+        self._operation_array = operations
         self._keep += [starts, flat, shifted, operations]
 
         tick = self.clock.tick
@@ -292,6 +303,7 @@ class Program:
             scratch = np.zeros(count, dtype=np.int64)
             self._keep += [references, scratch]
             direct = kind is VariableType.FLOAT64
+            self._accessors.append((len(self._operations), unit, kind, is_set))
             yield OperationStruct(
                 kind=(
                     (OperationKind.SET_FLOAT64 if direct else OperationKind.SET)
@@ -307,7 +319,22 @@ class Program:
                 cells=self.cells.ctypes.data + 8 * members[0][0],
                 cell_count=count,
                 scratch=scratch.ctypes.data,
+                table=self._ranges([variables[name] for _, name in members]) if is_set else 0,
             )
+
+    def _ranges(self, variables: Sequence[Variable]) -> int:
+        """The least and the most of each element of enumerations; 0 where there are none."""
+        if not all(variable.items for variable in variables):
+            return 0
+        limits = [
+            (min(items.values()), max(items.values()))
+            for variable in variables
+            if (items := variable.items)
+            for _ in range(size_of(variable))
+        ]
+        table = np.array(limits, dtype=np.int64)
+        self._keep.append(table)
+        return table.ctypes.data
 
     def _with_table(
         self, kind: OperationKind, table: NDArray[np.int32], count: int, *, owner: int = 0

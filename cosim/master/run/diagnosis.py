@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.base.component import VariableType
+from cosim.base.component import Variable, VariableType
 from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
 from cosim.master.assembly.plan import Act
 from cosim.master.components.interface import Element
@@ -75,6 +75,9 @@ def _out_of_range(program: Program, when: str) -> str:
             f"{2**63 - 1}"
         )
     value = cell.view(np.float64)[0] if kind.is_float else cell[0]
+    if items := _described(program).items:
+        words = ", ".join(f"{word} ({number})" for word, number in items.items())
+        return f"{_variable(program)} cannot take {value} at {when}: it is one of {words}"
     return f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}"
 
 
@@ -85,5 +88,9 @@ def _variable(program: Program) -> str:
 
 
 def _type(program: Program) -> VariableType:
+    return _described(program).type
+
+
+def _described(program: Program) -> Variable:
     component, variable, _ = program.layout.owner(program.kernel.cell)
-    return program.parts[component].interface.variables[variable].type
+    return program.parts[component].interface.variables[variable]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from types import TracebackType
@@ -27,6 +27,7 @@ from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
+from cosim.master.fmu.surroundings import Surroundings
 from cosim.master.kernel.native import KernelOutcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
@@ -322,7 +323,8 @@ class Simulation:
         self._close_components()
         lost = {fmu.library for fmu in self._fmus.values() if fmu.is_lost}
         for name, fmu in self._fmus.items():
-            fmu.close(failed=name in self._failed or fmu.library in lost)
+            with self._undisturbed(fmu):
+                fmu.close(failed=name in self._failed or fmu.library in lost)
         self._whereabouts.clear()
 
     def _close_components(self) -> None:
@@ -353,16 +355,17 @@ class Simulation:
             told(name, "entering initialisation mode")
             period = self.assembly.parts[name].period
             last = -(-end // period) * period  # the end of its last step may lie beyond the run's
-            with placed_refusal(self.scenario, name):
+            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
                 fmu.enter_initialisation(self.assembly.clock.seconds(last))
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
-        while (stop := self._evaluate(INITIAL)) is Stop.CALL:
-            self._serve()
-        self._raise_unless_done(stop)
+        with self._undisturbed(*self._fmus.values()):
+            while (stop := self._evaluate(INITIAL)) is Stop.CALL:
+                self._serve()
+            self._raise_unless_done(stop)
         for name, fmu in self._fmus.items():
             told(name, "leaving initialisation mode")
-            with placed_refusal(self.scenario, name):
+            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
                 fmu.exit_initialisation()
         self._is_running, self._end = True, end
         if self._restored is not None:
@@ -398,6 +401,18 @@ class Simulation:
         while kernel.tick < tick:
             self._run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
+    @contextmanager
+    def _undisturbed(self, *fmus: Fmu) -> Generator[None]:
+        """Put back what foreign FMUs, one of these, change of what belongs to the process."""
+        foreign = [fmu for fmu in fmus if not fmu.is_trusted]
+        before = Surroundings() if foreign else None
+        try:
+            yield
+        finally:
+            for what in before.put_back() if before is not None else ():
+                for fmu in foreign:
+                    fmu.disturbed(what if len(foreign) == 1 else f"{what} (or another FMU did)")
+
     def _compile(self, *, recorded: bool) -> None:
         """Write the program, once: it is the same for every run of this simulation."""
         if self._compiled is not None:
@@ -410,23 +425,29 @@ class Simulation:
         self._compiled = recorded
 
     def _create_fmus(self, told: Told) -> None:
+        for name, fmu in self._fmus.items():
+            if not fmu.is_trusted:  # all that share a library, before it is loaded anew
+                with self._undisturbed(fmu):
+                    fmu.close(failed=name in self._failed)
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
                 continue
+            is_new = name not in self._fmus
+            if is_new:
+                self._fmus[name] = Fmu(
+                    name,
+                    participant.fmu,
+                    substeps=participant.substeps,
+                    is_trusted=self.scenario.components[name].is_bundled,
+                    calling=partial(self._whereabouts.note, name),
+                )
+            fmu = self._fmus[name]
             told(name, "being instantiated and given its values")
-            with placed_refusal(self.scenario, name):
-                if name in self._fmus:
-                    self._fmus[name].renew(failed=name in self._failed)
+            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
+                if is_new:
+                    fmu.instantiate()
                 else:
-                    self._fmus[name] = Fmu(
-                        name,
-                        participant.fmu,
-                        substeps=participant.substeps,
-                        is_trusted=self.scenario.components[name].is_bundled,
-                        calling=partial(self._whereabouts.note, name),
-                    )
-                    self._fmus[name].instantiate()
-                fmu = self._fmus[name]
+                    fmu.renew(failed=name in self._failed)
                 fmu.configure(participant.parameters)
                 fmu.set_values(participant.parameters)
                 fmu.set_values(participant.start)
@@ -487,11 +508,15 @@ class Simulation:
         pauses = self._pauses
         stops = sorted(tick for tick in pauses if kernel.tick <= tick <= end)
         self._whereabouts.clear()
+        foreign = [fmu for fmu in self._fmus.values() if not fmu.is_trusted]
         chunk = self._chunk
         told = began = time.perf_counter()
         try:
             if drive is not None:
-                stop = drive(self.program, self._components, self.groups, sink, end=end, wish=wish)
+                with self._undisturbed(*foreign):
+                    stop = drive(
+                        self.program, self._components, self.groups, sink, end=end, wish=wish
+                    )
                 self._raise_unless_done(stop)
                 return
             while kernel.tick < end and not wish.is_made:
@@ -500,7 +525,8 @@ class Simulation:
                 first = kernel.tick
                 stop = min(end, first + chunk, *stops[:1])
                 before = time.perf_counter()
-                self._run_chunk(first, stop, sink)
+                with self._undisturbed(*foreign):
+                    self._run_chunk(first, stop, sink)
                 now = time.perf_counter()
                 if now - before < CHUNK_SECONDS[0]:
                     chunk = min(2 * chunk, LONGEST_CHUNK)

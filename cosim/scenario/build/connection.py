@@ -59,6 +59,7 @@ def build_connection(
         period=period,
         delay=delay,
         initial=form.initial,
+        ignores_unit=form.unit == "ignore",
     )
 
 

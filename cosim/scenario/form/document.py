@@ -130,6 +130,9 @@ class ConnectionForm(Form):
         default="source",
         description="Before the first sample: the source's first value, or the input's start.",
     )
+    unit: Literal["ignore"] | None = Field(
+        default=None, description="`ignore`: pass the number as it is, whatever the units say."
+    )
 
 
 def _to_connection(value: Any) -> ConnectionForm:

@@ -17,7 +17,7 @@ from cosim.base.errors import InputError
 from cosim.master.fmu import fmi2, fmi3, state
 from cosim.master.fmu.binding import Prototype
 from cosim.master.fmu.instance import Fmu, find_binary
-from cosim.master.fmu.library import open_library
+from cosim.master.fmu.library import take_library
 from cosim.master.fmu.reading import read_description
 from cosim.master.kernel.build import find_kernel
 from cosim.master.run.simulation import assemble
@@ -125,7 +125,7 @@ def test_instances_share_one_library(flavour: str) -> None:
     assert first.instance != second.instance
     assert first.do_step == second.do_step
     binary = find_binary(description)
-    assert open_library(binary, description.version) is open_library(binary, description.version)
+    assert take_library(binary, description.version) is take_library(binary, description.version)
     for fmu in (first, second):
         fmu.close()
         fmu.close()
@@ -133,7 +133,7 @@ def test_instances_share_one_library(flavour: str) -> None:
 
 def test_a_library_without_the_standards_functions_is_refused() -> None:
     with pytest.raises(InputError, match="has no function fmi3InstantiateCoSimulation and none"):
-        open_library(find_kernel(), 3)
+        take_library(find_kernel(), 3)
 
 
 @pytest.mark.parametrize(

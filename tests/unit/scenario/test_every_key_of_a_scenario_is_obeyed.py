@@ -43,6 +43,8 @@ ELSEWHERE = {
     ("ComponentForm", "of"),
     # What an imperfect description meets is shown with such FMUs.
     ("ComponentForm", "validate"),
+    # Units that differ are shown with FMUs that bring them.
+    ("ConnectionForm", "unit"),
 }
 """Keys whose effect the tests below show in another way."""
 
