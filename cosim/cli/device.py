@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cosim.cli.device_calibrate import calibrate_device
 from cosim.cli.device_emulate import emulate_device
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
-from cosim.cli.support.values import Number, OutputFile, seconds
+from cosim.cli.support.values import seconds
 
 if TYPE_CHECKING:
-    from hil.device.device import Device
     from hil.setup.session import Session
 
 _FILE = click.option(
@@ -100,8 +100,9 @@ def check_device(
     from dataclasses import asdict
 
     from cosim.base.errors import InputError
+    from cosim.cli.support.devices import open_device
     from hil.device.warnings import warnings_of
-    from hil.setup.device_file import add_watchdog_proof
+    from hil.setup.device_edit import add_watchdog_proof
     from hil.setup.look import check
     from hil.setup.watchdog_proof import prove_watchdog
 
@@ -109,7 +110,7 @@ def check_device(
         refuse_without("--enable-output", {"--yes": yes}, "there is nothing to confirm")
     if enable_output and file is None:
         raise InputError("--enable-output notes the proof in the device file: give --file FILE")
-    with _opened(url, file) as device:
+    with open_device(url, file) as device:
         for warning in warnings_of(device):
             click.echo(warning, err=True)
         click.echo(f"Move the handle of {device.name}; it gets zero torque.", err=True)
@@ -144,12 +145,15 @@ def check_device(
 @command.command("home", cls=JsonCommand)
 @click.argument("url")
 @_FILE
-@click.option("--yes", is_flag=True, help="The handle is at its home pose already.")
+@click.option("--yes", is_flag=True, help="Ask nobody: for an emulator that proves to be one.")
 def home_device(url: str, file: Path | None, *, yes: bool) -> None:
     """Take the present pose of the device at URL as the home pose, and show where the tip is."""
-    with _opened(url, file) as device:
-        if not yes:
-            click.prompt("Hold the handle at its home pose and press Enter", "", err=True)
+    from cosim.cli.support.devices import open_device, person_or_emulator
+
+    with open_device(url, file) as device:
+        ask = person_or_emulator(device, yes=yes)
+        if ask is not None:
+            ask(f"Hold the handle of {device.name} at its home pose and press Enter: ")
         device.home()
         angle = device.read(0).joint_angle
         tip = device.file.linkage.tip(angle)
@@ -158,66 +162,6 @@ def home_device(url: str, file: Path | None, *, yes: bool) -> None:
         f"homed at {angle[0]:.4f} and {angle[1]:.4f} rad, tip at {tip[0] * 1e3:.1f}, "
         f"{tip[1] * 1e3:.1f} mm; a device keeps this only until its port is opened again"
     )
-
-
-@command.command("calibrate", cls=JsonCommand)
-@click.argument("url")
-@click.argument("output", type=OutputFile())
-@_FILE
-@click.option(
-    "--home", nargs=2, type=Number(-13, 13), required=True, help="Joint angles of the pose (rad)."
-)
-@click.option("--serial", help="The device's serial number, to refuse another one later.")
-@click.option("--estop", is_flag=True, help="You have a switch that cuts the motors' power.")
-@click.option("--yes", is_flag=True, help="Keep the directions; ask nothing.")
-def calibrate_device(
-    url: str,
-    output: Path,
-    file: Path | None,
-    home: tuple[float, float],
-    serial: str | None,
-    *,
-    estop: bool,
-    yes: bool,
-) -> None:
-    """Write the device file OUTPUT: directions by moving each joint, home pose, serial, date."""
-    from datetime import UTC, datetime
-
-    from hil.setup.calibration import directions
-    from hil.setup.device_file import save
-
-    with _opened(url, file) as device:
-        signs = (1, 1) if yes else directions(device, _ask)
-        document: dict[str, Any] = {
-            "cohaptic_device": 1,
-            "driver": device.driver.driver,
-            "preset": device.file.preset,
-            "date": datetime.now(UTC).date().isoformat(),
-            "home": list(home),
-            "joints": [
-                {"direction": sign, "counts_per_turn": joint.counts_per_turn}
-                for sign, joint in zip(signs, device.file.joints, strict=True)
-            ],
-        }
-    if serial is not None:
-        document["serial"] = serial
-    if estop:
-        document["estop"] = "confirmed"
-    save(output, document)
-    click.echo(f"wrote {output}")
-
-
-def _opened(url: str, file: Path | None) -> Device:
-    from hil.device.device import Device
-    from hil.device.driver import find_driver
-    from hil.setup.address import parse
-    from hil.setup.device_file import default, load
-
-    address = parse(url)
-    kind = find_driver(address.driver)
-    device = Device(kind, address, load(file) if file is not None else default(kind.driver))
-    device.configure()
-    return device
 
 
 def _session(*, yes: bool) -> Session:
@@ -232,8 +176,5 @@ def _show(angle: tuple[float, float], age: int) -> None:
     click.echo(f"\r{angle[0]:9.4f} {angle[1]:9.4f} rad   age {age} ticks ", err=True, nl=False)
 
 
-def _ask(text: str) -> None:
-    click.prompt(text, "", err=True)
-
-
+command.add_command(calibrate_device)
 command.add_command(emulate_device)

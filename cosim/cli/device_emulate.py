@@ -108,7 +108,7 @@ def _firmware(name: str, stack: ExitStack) -> str:
 
 
 def _write_emulated_file(output: Path, name: str, preset: str, home: tuple[float, float]) -> None:
-    from hil.setup.device_file import save
+    from hil.setup.device_edit import save
 
     save(output, {"driver": name, "preset": preset, "home": list(home)})
 

@@ -7,7 +7,7 @@ its maker publishes; ``settings`` are read by the form of the driver that it nam
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from cosim.base.document.node import Node
 from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError, Location
-from cosim.base.system.writing import writing
 from hil.device.contract import WatchdogProof
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
@@ -101,31 +100,6 @@ def load(path: Path) -> DeviceFile:
             raise
         raise InputError(f"the device file {path} cannot be used: {error.message}") from error
     return _read(root, path)
-
-
-def save(path: Path, values: Mapping[str, Any]) -> None:
-    """Write a device file; it is parsed first, so a broken one is never left behind."""
-    from ruamel.yaml import YAML
-
-    parse(values)
-    writer = YAML()
-    writer.default_flow_style = False
-    with writing(path), path.open("w", encoding="utf-8") as stream:
-        writer.dump(dict(values), stream)  # pyright: ignore[reportUnknownMemberType]
-
-
-def add_watchdog_proof(path: Path, proof: WatchdogProof) -> None:
-    """Note a proof in a device file; everything else in it stays, comments included."""
-    from ruamel.yaml import YAML
-
-    editor = YAML()
-    document: Any = editor.load(path.read_text("utf-8"))  # pyright: ignore[reportUnknownMemberType]
-    document["watchdog_proof"] = {k: v for k, v in asdict(proof).items() if v is not None}
-    if proof.serial is not None:
-        document.setdefault("serial", proof.serial)
-    parse(document)
-    with writing(path), path.open("w", encoding="utf-8") as stream:
-        editor.dump(document, stream)  # pyright: ignore[reportUnknownMemberType]
 
 
 def parse(document: object) -> DeviceFile:

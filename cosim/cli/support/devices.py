@@ -13,7 +13,10 @@ from cosim.base.errors import InputError
 from cosim.cli.support.effect import given_of, refuse_without
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cosim.scenario import Scenario
+    from hil.device.device import Device
     from hil.setup.session import Session
 
 Command = Callable[..., Any]
@@ -95,6 +98,46 @@ def refuse_without_devices(
         )
     if not enable_output:
         refuse_without("--enable-output", given, "no force comes out that it could allow")
+
+
+def open_device(url: str, file: Path | None) -> Device:
+    """A configured device; without a file it is what its maker sells.
+
+    Raises:
+        DeviceError: it does not answer.
+        InputError: URL or file cannot be used.
+    """
+    from hil.device.device import Device
+    from hil.device.driver import find_driver
+    from hil.setup.address import parse
+    from hil.setup.device_file import default, load
+
+    address = parse(url)
+    kind = find_driver(address.driver)
+    device = Device(kind, address, load(file) if file is not None else default(kind.driver))
+    device.configure()
+    return device
+
+
+def person_or_emulator(device: Device, *, yes: bool) -> Callable[[str], str] | None:
+    """Who is asked about a configured device: a person, or nobody where it is an emulator.
+
+    Raises:
+        ActivationRefused: nobody is at a terminal, or shall be asked, and it may be a real device.
+    """
+    from hil.device.errors import ActivationRefused
+    from hil.setup.session import doubt_of
+
+    if sys.stdin.isatty() and not yes:
+        return ask_person
+    doubt = doubt_of(device)
+    if doubt is not None:
+        why = "--yes asks nobody" if yes else "nobody is at a terminal"
+        raise ActivationRefused(
+            f"{why}, and {device.name} did not prove to be an emulator ({doubt}): a person has to "
+            "hold and look at a real device"
+        )
+    return None
 
 
 def say(sentence: str) -> None:

@@ -20,7 +20,7 @@ from cosim.scenario import load
 from hil.device.errors import ActivationRefused
 from hil.emulation.launch import Emulator, Order
 from hil.setup.address import parse
-from hil.setup.device_file import save
+from hil.setup.device_edit import save
 from hil.setup.registry import find
 from tests.support.hil.driver_bench import QUANSER
 from tests.support.machine import timed

@@ -18,7 +18,8 @@ from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import ask
 from hil.safety.safeguards import check_safeguards
 from hil.setup.address import parse
-from hil.setup.device_file import default, load, save
+from hil.setup.device_edit import save
+from hil.setup.device_file import default, load
 from hil.setup.watchdog_proof import prove_watchdog
 from tests.support.hil.driver_bench import DRIVERS, SETUPS, Bench
 from tests.support.hil.hil_bench import Puppet

@@ -9,7 +9,8 @@ import pytest
 from cosim.base.errors import InputError, InputErrors
 from hil.safety.conversion import TorqueDrive, VoltageDrive
 from hil.safety.limits import Limits
-from hil.setup.device_file import load, parse, save
+from hil.setup.device_edit import save
+from hil.setup.device_file import load, parse
 from hil.setup.registry import find, find_preset
 
 GOOD = {

@@ -1,32 +1,30 @@
-"""Which way a joint counts, found by having a person turn it."""
+"""Which way a joint counts, found by turning it."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 from hil.device.contract import ZERO
 from hil.device.device import Device
 from hil.device.errors import DeviceError
+from hil.setup.calibrate.hand import Hand
 
 LEAST_TURN = 0.1
 """A joint that turned less (rad) did not turn on purpose."""
 READS = 8
 
 
-def directions(device: Device, ask: Callable[[str], None]) -> tuple[int, int]:
+def directions(device: Device, hand: Hand) -> tuple[int, int]:
     """The signs that make joint angles grow counterclockwise (seen from above).
-
-    ``ask`` shows a sentence and returns once it was done.
 
     Raises:
         DeviceError: a joint did not turn.
     """
     signs: list[int] = []
     for axis in (0, 1):
-        ask(f"Leave joint {axis + 1} where it is and press Enter")
+        hand.leave(axis)
         before = _angle(device, axis)
-        ask(f"Turn joint {axis + 1} counterclockwise by a hand's breadth and press Enter")
+        hand.turn(axis)
         turned = _angle(device, axis) - before
+        hand.let_go()
         if abs(turned) < LEAST_TURN:
             raise DeviceError(
                 f"joint {axis + 1} turned by {turned:.3f} rad only: is its encoder connected?"

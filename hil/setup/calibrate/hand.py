@@ -1,0 +1,68 @@
+"""Who moves a handle when that has to be seen: a person who is asked, or an emulator's hand."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from contextlib import closing
+
+from hil.emulation.side_channel import Control
+
+EMULATED_TURN = 0.25
+"""How far an emulator's hand turns a joint (rad)."""
+
+
+class Hand(ABC):
+    """Moves one joint (0 or 1) of a handle at a time."""
+
+    @abstractmethod
+    def leave(self, joint: int) -> None:
+        """Return once the joint rests where it was first."""
+
+    @abstractmethod
+    def turn(self, joint: int) -> None:
+        """Return once the joint was turned counterclockwise, as seen from above."""
+
+    def let_go(self) -> None:
+        """The joints may go back."""
+
+
+class PersonsHand(Hand):
+    """``ask`` shows a sentence and returns once it was done."""
+
+    def __init__(self, ask: Callable[[str], object]) -> None:
+        self._ask = ask
+
+    def leave(self, joint: int) -> None:
+        """Asked for."""
+        self._ask(f"Leave joint {joint + 1} where it is and press Enter: ")
+
+    def turn(self, joint: int) -> None:
+        """Asked for."""
+        self._ask(
+            f"Turn joint {joint + 1} counterclockwise by a hand's breadth, hold it there, and "
+            "press Enter: "
+        )
+
+
+class EmulatedHand(Hand):
+    """The hand of the emulator at the other end of the side channel at ``path``."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def leave(self, joint: int) -> None:
+        """Both joints, at once."""
+        self._shift(0.0, 0.0)
+
+    def turn(self, joint: int) -> None:
+        """By a fixed angle, at once."""
+        self._shift(*((EMULATED_TURN, 0.0) if joint == 0 else (0.0, EMULATED_TURN)))
+
+    def let_go(self) -> None:
+        """Both joints are back."""
+        self._shift(0.0, 0.0)
+
+    def _shift(self, *by: float) -> None:
+        with closing(Control(self._path)) as control:
+            control.ask("shift", by=by)
