@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import closing
 
-from hil.emulation.side_channel import Control
+from hil.wire.side_channel import Control
 
 EMULATED_TURN = 0.25
 """How far an emulator's hand turns a joint (rad)."""
