@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from hil.device.device import Device
-    from hil.setup.calibrate.hand import Hand
+    from hil.setup.calibrate.turner import Turner
     from hil.setup.device_edit import Calibrated, Edit
     from hil.setup.driver_facts import DriverFacts
 
@@ -80,7 +80,7 @@ def calibrate_device(
         ask = _asks(device, yes=yes)
         found = Calibrated(
             date=today,
-            directions=directions(device, _hand(device, ask)),
+            directions=directions(device, _turner(device, ask)),
             home=home,
             serial=serial or device.driver.serial(),
             estop=estop,
@@ -111,15 +111,15 @@ def _asks(device: Device, *, yes: bool) -> Callable[[str], str] | None:
     return person_or_emulator(device, yes=yes)
 
 
-def _hand(device: Device, ask: Callable[[str], str] | None) -> Hand:
+def _turner(device: Device, ask: Callable[[str], str] | None) -> Turner:
     """The person who can be asked, or the hand of the emulator that has proved itself."""
-    from hil.setup.calibrate.hand import EmulatedHand, PersonsHand
+    from hil.setup.calibrate.turner import AskedTurner, EmulatedTurner
 
     if ask is not None:
-        return PersonsHand(ask)
+        return AskedTurner(ask)
     path = device.address.emulator
     assert path is not None, "nobody is asked for an emulator alone"
-    return EmulatedHand(path)
+    return EmulatedTurner(path)
 
 
 def _agree(

@@ -5,14 +5,14 @@ from __future__ import annotations
 from hil.device.contract import ZERO
 from hil.device.device import Device
 from hil.device.errors import DeviceError
-from hil.setup.calibrate.hand import Hand
+from hil.setup.calibrate.turner import Turner
 
 LEAST_TURN = 0.1
 """A joint that turned less (rad) did not turn on purpose."""
 READS = 8
 
 
-def directions(device: Device, hand: Hand) -> tuple[int, int]:
+def directions(device: Device, turner: Turner) -> tuple[int, int]:
     """The signs that make joint angles grow counterclockwise (seen from above).
 
     Raises:
@@ -20,11 +20,11 @@ def directions(device: Device, hand: Hand) -> tuple[int, int]:
     """
     signs: list[int] = []
     for axis in (0, 1):
-        hand.leave(axis)
+        turner.leave(axis)
         before = _angle(device, axis)
-        hand.turn(axis)
+        turner.turn(axis)
         turned = _angle(device, axis) - before
-        hand.let_go()
+        turner.let_go()
         if abs(turned) < LEAST_TURN:
             raise DeviceError(
                 f"joint {axis + 1} turned by {turned:.3f} rad only: is its encoder connected?"

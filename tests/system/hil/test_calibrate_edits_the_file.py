@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.cli import cli
 from hil.device.errors import ActivationRefused
-from hil.setup.calibrate.hand import EMULATED_TURN
+from hil.setup.calibrate.turner import EMULATED_TURN
 from hil.setup.device_file import load
 from hil.wire.side_channel import Control
 from tests.support.hil.driver_bench import Bench

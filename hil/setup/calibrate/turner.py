@@ -12,7 +12,7 @@ EMULATED_TURN = 0.25
 """How far an emulator's hand turns a joint (rad)."""
 
 
-class Hand(ABC):
+class Turner(ABC):
     """Moves one joint (0 or 1) of a handle at a time."""
 
     @abstractmethod
@@ -27,7 +27,7 @@ class Hand(ABC):
         """The joints may go back."""
 
 
-class PersonsHand(Hand):
+class AskedTurner(Turner):
     """``ask`` shows a sentence and returns once it was done."""
 
     def __init__(self, ask: Callable[[str], object]) -> None:
@@ -45,7 +45,7 @@ class PersonsHand(Hand):
         )
 
 
-class EmulatedHand(Hand):
+class EmulatedTurner(Turner):
     """The hand of the emulator at the other end of the side channel at ``path``."""
 
     def __init__(self, path: str) -> None:
