@@ -62,6 +62,77 @@ class Meaning(StrEnum):
     """Text parameter: the name of a file, relative to the file that it is written in."""
     OWN_DEVICE = "own_device"
     """Parameter: describes a station's own device and where it stands; no affair of a peer's."""
+    DEVICE_PRESET = "device_preset"
+    """Parameter of an own device: whose values stand for those that are left at -1."""
+    PROXIMAL_LENGTH = "proximal_length"
+    """Parameter of an own device: length of the links at the motors (m)."""
+    BASE_DISTANCE = "base_distance"
+    """Parameter of an own device: distance between its motors (m)."""
+    BASE_X = "base_x"
+    """Parameter of an own device: its place in the world, the axis of motor 1, x (m)."""
+    BASE_Y = "base_y"
+    """Parameter of an own device: its place in the world, the axis of motor 1, y (m)."""
+    BASE_ANGLE = "base_angle"
+    """Parameter of an own device: angle of its x axis, motor 1 to motor 2, in the world (rad)."""
+    JOINT_ANGLE_1 = "joint_angle_1"
+    """Input: measured angle of an own device's link at motor 1 (rad)."""
+    JOINT_ANGLE_2 = "joint_angle_2"
+    """Input: measured angle of an own device's link at motor 2 (rad)."""
+    FINGER_FORCE_X = "finger_force_x"
+    """Output: force that an own finger is given, x (N)."""
+    FINGER_FORCE_Y = "finger_force_y"
+    """Output: force that an own finger is given, y (N)."""
+    PORT_ENERGY = "port_energy"
+    """Output: energy that a user has put into what is rendered (J)."""
+    FORCE_LIMIT = "force_limit"
+    """Parameter of an own device: largest force on its finger (N)."""
+    NODE_POSITION = "node_position"
+    """Output: x and y of points of the object, 3 x 3, row by row from its lower left (m)."""
+    BOX_SIDE = "box_side"
+    """Parameter: side of the square box (m)."""
+    STATIC_FRICTION = "static_friction"
+    """Parameter: coefficient of static friction of fingers on the box."""
+    POINTER_X = "pointer_x"
+    """Output: where a person wants a finger, x (m)."""
+    POINTER_Y = "pointer_y"
+    """Output: where a person wants a finger, y (m)."""
+    POINTER_VALID = "pointer_valid"
+    """Output: whether a person is there."""
+    POINTER_COUNT = "pointer_count"
+    """Output: number of the sample of a person's pointer."""
+    POINTER_AGE = "pointer_age"
+    """Output: time since that sample was taken (s)."""
+    REACH_X = "reach_x"
+    """Parameter: middle of where a finger may be led, x (m)."""
+    REACH_Y = "reach_y"
+    """Parameter: middle of where a finger may be led, y (m)."""
+    REACH = "reach"
+    """Parameter: how far from that middle a finger may be led (m)."""
+    WALL_ENABLED = "wall_enabled"
+    """Parameter: whether there is the wall that its group describes."""
+    WALL_POINT_X = "wall_point_x"
+    """Parameter: a point on the wall, x (m)."""
+    WALL_POINT_Y = "wall_point_y"
+    """Parameter: a point on the wall, y (m)."""
+    WALL_NORMAL_X = "wall_normal_x"
+    """Parameter: normal of the wall into the free half-plane, x."""
+    WALL_NORMAL_Y = "wall_normal_y"
+    """Parameter: normal of the wall into the free half-plane, y."""
+
+
+OF_OWN_DEVICE = frozenset(
+    {
+        Meaning.OWN_DEVICE,
+        Meaning.DEVICE_PRESET,
+        Meaning.PROXIMAL_LENGTH,
+        Meaning.BASE_DISTANCE,
+        Meaning.BASE_X,
+        Meaning.BASE_Y,
+        Meaning.BASE_ANGLE,
+        Meaning.FORCE_LIMIT,
+    }
+)
+"""What describes a station's own device: two stations may differ in it."""
 
 
 @dataclass(frozen=True, slots=True)

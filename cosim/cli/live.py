@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +41,12 @@ COLUMNS = 60
 @click.option(
     "--seconds", type=seconds(zero=True), help="How long to watch. [default: until the run ends]"
 )
+@click.option("--web", is_flag=True, help="Serve a page to watch it in, with its picture.")
+@click.option(
+    "--live-at",
+    metavar="HOST:PORT",
+    help="Where the page is served. [default: 127.0.0.1, a free port]",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the newest status and stop.")
 def command(
     *,
@@ -46,13 +54,21 @@ def command(
     patterns: tuple[str, ...],
     window: float,
     seconds: float | None,
+    web: bool,
+    live_at: str | None,
     as_json: bool,
 ) -> None:
     """Watch RUN (its folder, its scenario's name or its process) while it goes on.
 
     Without RUN, the newest 'cohaptic run --realtime' or 'cohaptic station' of this machine. It
     reads shared memory: the run is not slowed down, and what comes too fast is lost and counted.
+    With --web a page shows it, and the next run after it, until Ctrl-C.
     """
+    if web:
+        _serve(run, live_at, seconds, plain=not patterns and not as_json)
+        return
+    if live_at is not None:
+        raise InputError("--live-at without --web: there is no page; add --web.")
     from cosim.realtime.watcher import Watcher, find_feed
 
     with Watcher(find_feed(run)) as watcher:
@@ -66,6 +82,20 @@ def command(
             _draw(watcher, names, window, end)
         else:
             _tell(watcher, end)
+
+
+def _serve(run: str | None, live_at: str | None, seconds: float | None, *, plain: bool) -> None:
+    """Serve the page until Ctrl-C, or for so long.
+
+    Raises:
+        InputError: it cannot be served there, or something is asked that the page has itself.
+    """
+    from cosim.cli.support.page import live_page
+
+    if not plain:
+        raise InputError("--show and --json are for the terminal; the page has its own plots.")
+    with live_page(live=True, live_at=live_at, wanted=run), suppress(KeyboardInterrupt):
+        threading.Event().wait(seconds)
 
 
 def choose(signals: Sequence[str], patterns: Sequence[str]) -> list[str]:
@@ -128,7 +158,9 @@ def _draw(watcher: Watcher, names: list[str], window: float, end: float | None) 
             status = watcher.status()
             lines = [Text("waiting for the first tick" if status is None else status.line())]
             for name in names:
-                lines += [Text(text) for text in plot(name, units[name], kept.get(name, ()))]
+                width = min(COLUMNS, screen.console.width)
+                shown = plot(name, units[name], kept.get(name, ()), width)
+                lines += [Text(text) for text in shown]
             lines.append(Text(f"{watcher.lost} rows lost; Ctrl-C leaves the run alone", "dim"))
             screen.update(Group(*lines), refresh=True)
             time.sleep(DRAW_SECONDS)

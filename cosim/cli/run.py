@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -10,16 +11,19 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
+from cosim.cli.support.page import live_page, page_options, scene_of
 from cosim.cli.support.values import OutputFolder
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
     from cosim.master.run.simulation import Progress
     from cosim.realtime.paced_run import PacedRun
+    from cosim.run import Execute
     from cosim.scenario import Scenario
 
 
@@ -60,6 +64,7 @@ if TYPE_CHECKING:
 )
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
 @click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
+@page_options
 @miss_options
 @output_options
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
@@ -74,6 +79,8 @@ def command(
     origin: str | None,
     figure: bool,
     realtime: bool,
+    live: bool,
+    live_at: str | None,
     on_miss: Policy | None,
     cpu: int | None,
     enable_output: bool,
@@ -92,7 +99,7 @@ def command(
     """
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.child import run_in_child
-    from cosim.cli.support.continuation import continuation, scenario_to_run
+    from cosim.cli.support.continuation import scenario_to_run
     from cosim.cli.support.devices import say
     from cosim.reading import load
     from cosim.run import run_scenario
@@ -122,14 +129,16 @@ def command(
         paced.cpu = pace.cpu
         paced.pacer = DeadlinePacer(tick_seconds=tick, policy=pace.on_miss, sleep=clock_nanosleep())
         paced.console = console
-    with _progress(loaded) if paced is None else ended(console) as progress:
+        paced.about = scene_of
+    page = live_page(live=live, live_at=live_at, wanted=str(os.getpid()))
+    with page, _progress(loaded) if paced is None else ended(console) as progress:
         judge = DeviceJudge(realtime=realtime)
         finished = (
             run_in_child(
                 loaded,
                 out,
                 progress=progress,
-                execute=continuation(say, origin, snapshots),
+                execute=_execution(origin, snapshots, live=live),
                 figure=figure,
                 judge=judge,
                 say=say,
@@ -155,6 +164,26 @@ def command(
     if finished.summary.content["message"]:
         click.echo(finished.summary.content["message"], err=True)
     sys.exit(finished.summary.status)
+
+
+def _execution(origin: str | None, snapshots: tuple[str, ...], *, live: bool) -> Execute | None:
+    """How a run without a pace is run.
+
+    Raises:
+        InputError: a page is wanted beside snapshots or an origin.
+    """
+    from cosim.cli.support.continuation import continuation
+    from cosim.cli.support.devices import say
+
+    if not live:
+        return continuation(say, origin, snapshots)
+    if origin is not None or snapshots:
+        raise InputError("--live cannot go with --snapshot or --from; leave it out.")
+    from functools import partial
+
+    from cosim.live.tee import run_watched
+
+    return partial(run_watched, starter=os.getpid())
 
 
 def _devices(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.pace import miss_options, pace_of
+from cosim.cli.support.page import live_page, page_options, scene_of
 from cosim.cli.support.values import OutputFolder, seconds
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
     default=True,
     help="Ask the system for real-time scheduling (a station always runs in real time).",
 )
+@page_options
 @miss_options
 @output_options
 @click.option("--out", type=OutputFolder(), help="Folder for the run; new or empty.")
@@ -69,6 +72,8 @@ def command(
     duration: str | None,
     wait: float | None,
     realtime: bool,
+    live: bool,
+    live_at: str | None,
     on_miss: Policy | None,
     cpu: int | None,
     enable_output: bool,
@@ -108,13 +113,15 @@ def command(
         listen=Address.parse(listen, "--listen"),
         peers=_peers(peers),
         key_files={name: Path(file) for name, file in _by_station(keys, "--key").items()},
-        execute=PacedRun(cpu=pace.cpu, real_time=realtime, say=say, console=console),
+        execute=PacedRun(
+            cpu=pace.cpu, real_time=realtime, say=say, console=console, about=scene_of
+        ),
         policy=pace.on_miss,
         patience=wait,
         sleep=clock_nanosleep(),
         theory=longest_delay,
     )
-    with ended(console):
+    with live_page(live=live, live_at=live_at, wanted=str(os.getpid())), ended(console):
         finished = run_station(
             loaded,
             own,

@@ -91,8 +91,14 @@ class Feed:
         """Whether others can find it."""
         return self.path.exists()
 
-    def publish(self, groups: Sequence[RecordGroup] = (), folder: Path | None = None) -> None:
-        """Let others find it, with what is recorded in its rings and where to."""
+    def publish(
+        self,
+        groups: Sequence[RecordGroup] = (),
+        folder: Path | None = None,
+        more: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Let others find it, with what is recorded in its rings and where to, and ``more``."""
+        self._content |= more or {}
         self._content["folder"] = None if folder is None else str(folder.resolve())
         self._content["groups"] = [
             {

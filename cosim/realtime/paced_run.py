@@ -50,6 +50,8 @@ class PacedRun:
     say: Callable[[str], None] = print
     console: Callable[[Feed], None] | None = None
     """Called some fifty times a second in the recording process, to show how things stand."""
+    about: Callable[[Simulation], Mapping[str, Any]] | None = None
+    """What others who watch are told besides, such as the scene."""
     report: LoopReport | None = None
     ending: Ending | None = None
     pulse: Pulse = field(default_factory=Pulse)
@@ -191,6 +193,7 @@ class _Run:
         self._number = {name: number for number, name in enumerate(self._parts)}
         self._rate: Fraction = simulation.scenario.base_rate
         self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
+        self._more = paced.about(simulation) if paced.about is not None else None
         self.feed = Feed(simulation.scenario.name, float(self._rate), self._parts, self.rings)
 
     # --- devices ---------------------------------------------------------------------------------
@@ -295,7 +298,7 @@ class _Run:
             if isinstance(message, Begun):
                 groups = self._simulation.groups
                 recorder.begin(groups, self._rate)
-                self.feed.publish(groups, getattr(recorder, "folder", None))
+                self.feed.publish(groups, getattr(recorder, "folder", None), self._more)
                 pumps.append(RelayPump(self.rings, groups, recorder))
             paced.take(message)
 

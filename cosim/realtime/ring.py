@@ -74,6 +74,18 @@ class Ring:
         self.before[place] = number
         self.head[1] = number + 1
 
+    def extend(self, rows: NDArray[np.int64]) -> None:
+        """Append records of ``cells`` 8-byte cells each, shape (n, cells), as they are."""
+        number, rows = int(self.head[1]), np.asarray(rows)
+        skipped = max(0, len(rows) - self.capacity)
+        numbers = np.arange(number + skipped, number + len(rows))
+        places = numbers % self.capacity
+        self.before[places] = -1
+        self.values.view(np.int64)[places] = rows[skipped:]
+        self.after[places] = numbers
+        self.before[places] = numbers
+        self.head[1] = number + len(rows)
+
     def put(self, cells: memoryview) -> None:
         """Append one record of ``cells`` 8-byte cells, as they are (format ``q``)."""
         memory = self._cells
@@ -119,6 +131,11 @@ class Reader:
         self._next = max(0, ring.written - ring.capacity) if oldest else ring.written
         self.lost = 0
         """Records that were overwritten before they were read."""
+
+    @property
+    def position(self) -> int:
+        """Number of the record that is read next."""
+        return self._next
 
     def read(self, most: int = 1_000_000) -> NDArray[np.float64]:
         """The new records, oldest first: shape (n, cells), n up to ``most``."""

@@ -183,7 +183,7 @@ def find_feed(wanted: str | None) -> Path:
                 live[path] = content
     for path in sorted(live, key=lambda path: path.stat().st_mtime, reverse=True):
         content = live[path]
-        known = {str(path), content["name"], str(content["pid"])}
+        known = {str(path), content["name"], str(content["pid"]), str(content.get("starter"))}
         folder = content["folder"]
         at = wanted is not None and folder is not None and str(Path(wanted).resolve()) == folder
         if wanted is None or wanted in known or at:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cosim.base.meaning import Meaning
+from cosim.base.meaning import OF_OWN_DEVICE
 from cosim.link.stream.form import LinkForm
 from cosim.master.assembly.assemble import Assembly
 from cosim.station.split import Half, Peer
@@ -45,7 +45,7 @@ def _component(assembly: Assembly, name: str) -> dict[str, Any]:
     parameters = {
         name: values
         for name, values in participant.parameters.items()
-        if name not in declared or declared[name].meaning_of() is not Meaning.OWN_DEVICE
+        if name not in declared or declared[name].meaning_of() not in OF_OWN_DEVICE
     }
     found: dict[str, Any] = {"period": participant.period, "parameters": parameters}
     if participant.fmu is not None:

@@ -1,11 +1,13 @@
 /* The emulated user: F = F_cmd + k (x_ref - x) + b (dx_ref/dt - dx/dt), per axis. */
 #include "operator_variables.h"
+#include "tracking.h"
 #include "waveform.h"
 
 enum { AXES = 2, VIA_POINTS = 16, CAPACITY = 16384, COLUMNS = 3 };
 
 struct State {
     double time;
+    Tracking tracking;
     size_t count;
     double rows[CAPACITY * COLUMNS];
 };
@@ -31,6 +33,13 @@ const char *model_initialise(Variables *v, State *s, Report *r)
                 return report_format(r, "via_time[%d] is %g s, not after %g s; times must rise, "
                                         "from trajectory_start_time on.",
                                      (int)i + 1, v->via_time[i], before);
+    }
+    if (v->trajectory == OPERATOR_TRAJECTORY_TRACKED) {
+        if (!(v->tracking_frequency > 0.0 && v->tracking_speed > 0.0))
+            return "tracking_frequency and tracking_speed have to be above 0.";
+        for (int axis = 0; axis < AXES; ++axis)
+            s->tracking.position[axis] = v->initial_position[axis];
+        s->tracking.weight = 1.0;
     }
     if (v->trajectory != OPERATOR_TRAJECTORY_RECORDED)
         return NULL;
@@ -69,6 +78,9 @@ static Signal reference(const Variables *v, const State *s, int axis)
     case OPERATOR_TRAJECTORY_MINIMUM_JERK:
         signal = via_signal(v, s->time, axis == 0 ? v->via_x : v->via_y, start);
         break;
+    case OPERATOR_TRAJECTORY_TRACKED:
+        signal = (Signal){s->tracking.position[axis], s->tracking.velocity[axis]};
+        break;
     case OPERATOR_TRAJECTORY_RECORDED:
         signal = sampled_signal(s->rows, s->count, COLUMNS, (size_t)axis + 1,
                                 s->time - v->trajectory_start_time, true);
@@ -81,6 +93,8 @@ static double command(const Variables *v, const State *s, int axis)
 {
     const Window window = {v->force_start_time[axis], v->force_duration[axis]};
     Signal signal = {0.0, 0.0};
+    if (s->tracking.presence != TRACKING_NOBODY)
+        return 0.0; /* the emulated user's */
     switch (v->force_mode[axis]) {
     case OPERATOR_FORCE_MODE_CONSTANT:
         signal.value = 1.0;
@@ -126,11 +140,39 @@ void model_outputs(Variables *v, const State *s)
         v->force[axis] = v->force_command[axis] +
                          stiffness[axis] * (wanted.value - v->position[axis]) +
                          damping[axis] * (wanted.rate - v->velocity[axis]);
+        if (v->trajectory == OPERATOR_TRAJECTORY_TRACKED)
+            v->force[axis] *= s->tracking.weight;
+    }
+}
+
+/* Nobody is there: the via points, and then the reference goes along with the finger. */
+static void emulate(const Variables *v, Tracking *k, double t, double h)
+{
+    const double end = v->via_count ? v->via_time[v->via_count - 1] : v->trajectory_start_time;
+    for (int axis = 0; axis < AXES; ++axis) {
+        Signal next = {k->position[axis], 0.0};
+        if (t < end)
+            next = via_signal(v, t + h, axis == 0 ? v->via_x : v->via_y, v->initial_position[axis]);
+        else if (v->yield_time > 0.0)
+            next.value += (v->position[axis] - k->position[axis]) * fmin(h / v->yield_time, 1.0);
+        k->position[axis] = next.value;
+        k->velocity[axis] = next.rate;
     }
 }
 
 const char *model_step(Variables *v, State *s, double t, double h, Report *r)
 {
     s->time = t + h;
+    if (v->trajectory != OPERATOR_TRAJECTORY_TRACKED)
+        return NULL;
+    const Target target = {
+        .valid = v->target_valid, .count = v->target_count, .age = v->target_age,
+        .position = {v->target_position[0], v->target_position[1]},
+    };
+    const TrackingLimits limits = {
+        v->tracking_frequency, v->tracking_speed, v->target_hold_time,
+    };
+    if (!tracking_step(&s->tracking, &target, &limits, v->position, t, h))
+        emulate(v, &s->tracking, t, h);
     return NULL;
 }

@@ -26,6 +26,12 @@ TRAJECTORY = Enumeration(
         Item(name="sine", value=1, description="A sine on each axis around initial_position"),
         Item(name="minimum_jerk", value=2, description="Minimum jerk from via point to via point"),
         Item(name="recorded", value=3, description="Samples from a file"),
+        Item(
+            name="tracked",
+            value=4,
+            description="Tracks target_position, a person's hand; until that is first valid, the "
+            "emulated user along the via points",
+        ),
     ),
 )
 
@@ -75,11 +81,33 @@ def _via(name: str, description: str, unit: str) -> ModelVariable:
 MODEL = Model(
     name="operator",
     description="Emulated user: force, and a hand impedance along a planar trajectory",
-    sources=("model.c", "waveform.c"),
+    sources=("model.c", "tracking.c", "waveform.c"),
     state_ends_in_table=True,
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
         _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),
+        _pair("target_position", "Where a person wants the finger, world frame", "m", "input"),
+        ModelVariable(
+            name="target_valid",
+            description="Whether a person is there: target_position counts",
+            causality="input",
+            type="boolean",
+            start=False,
+        ),
+        ModelVariable(
+            name="target_count",
+            description="Number of the sample in target_position; another number is another sample",
+            causality="input",
+            type="integer",
+            start=0,
+        ),
+        ModelVariable(
+            name="target_age",
+            description="Time since that sample was taken",
+            causality="input",
+            unit="s",
+            start=0.0,
+        ),
         ModelVariable(
             name="force",
             description="Force of the user on the finger, world frame",
@@ -142,6 +170,20 @@ MODEL = Model(
         _via("via_time", "When each via point is reached", "s"),
         _via("via_x", "Where it is, x", "m"),
         _via("via_y", "Where it is, y", "m"),
+        _number("tracking_frequency", "Of the filter that tracks a target", "rad/s", 75.4),
+        _number("tracking_speed", "Largest speed of the tracking reference", "m/s", 1.0),
+        _number(
+            "target_hold_time",
+            "How long a target that is not valid any more is held; then the hand lets go",
+            "s",
+            0.5,
+        ),
+        _number(
+            "yield_time",
+            "Time constant with which the reference of a tracked trajectory goes along with the "
+            "finger while nobody is there and the via points are over; 0: it stays",
+            "s",
+        ),
         ModelVariable(
             name="trajectory_file",
             description="Text file with a time (s), x and y (m) in each line",

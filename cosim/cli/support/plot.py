@@ -9,20 +9,24 @@ WIDTH, HEIGHT = 60, 4
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 
 
-def plot(name: str, unit: str, values: Collection[float]) -> list[str]:
+def plot(name: str, unit: str, values: Collection[float], width: int = WIDTH) -> list[str]:
     """A title with the newest value and the range, then ``HEIGHT`` lines of bars.
 
-    Each of the ``WIDTH`` bars is the value farthest from the range's middle among those that it
-    stands for, so that a peak of a single tick is seen.
+    No line is longer than ``width``: the range takes a line of its own, and a name loses its
+    beginning, where they do not fit. Each of the up to ``width`` bars is the value farthest from
+    the range's middle among those that it stands for, so that a peak of a single tick is seen.
     """
     known = [value for value in values if isfinite(value)]
     if not known:
-        return [f"{name}: nothing yet"]
+        return [_shortened(name, ": nothing yet", width)]
     low, high = min(known), max(known)
-    title = f"{name} = {known[-1]:.4g} {unit}  [{low:.4g}, {high:.4g}]"
+    newest, extent = f" = {known[-1]:.4g} {unit}".rstrip(), f"[{low:.4g}, {high:.4g}]"
+    titles = [f"{name}{newest}  {extent}"]
+    if len(titles[0]) > width:
+        titles = [_shortened(name, newest, width), extent]
     span = (high - low) or 1.0
     middle = (low + high) / 2
-    columns = min(WIDTH, len(known))
+    columns = min(width, len(known))
     bars: list[int] = []
     for column in range(columns):
         part = known[column * len(known) // columns : (column + 1) * len(known) // columns]
@@ -32,4 +36,10 @@ def plot(name: str, unit: str, values: Collection[float]) -> list[str]:
         "".join(_BLOCKS[min(8, max(0, bar - 8 * row))] for bar in bars)
         for row in reversed(range(HEIGHT))
     ]
-    return [title, *lines]
+    return [*titles, *lines]
+
+
+def _shortened(name: str, rest: str, width: int) -> str:
+    """Name and rest on one line; what a name begins with is missed least."""
+    over = len(name) + len(rest) - width
+    return (name if over <= 0 else f"…{name[over + 1 :]}") + rest

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from cosim.base.component import Causality
 from cosim.base.document.show import show
-from cosim.base.meaning import Meaning
+from cosim.base.meaning import OF_OWN_DEVICE, Meaning
 from cosim.master.components.participants import Participant
 from cosim.scenario import Scenario
 
@@ -56,7 +56,7 @@ def _shared(participant: Participant) -> dict[str, list[Any]]:
     """Parameters by name, with their defaults, without those of its own device."""
     found: dict[str, list[Any]] = {}
     for name, variable in participant.interface.variables.items():
-        is_own = variable.meaning_of() is Meaning.OWN_DEVICE
+        is_own = variable.meaning_of() in OF_OWN_DEVICE
         if variable.causality is Causality.PARAMETER and not is_own:
             given = participant.parameters.get(name)
             found[name] = list(given) if given is not None else _default(variable.start)

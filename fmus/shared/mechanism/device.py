@@ -22,6 +22,12 @@ DEVICE = Enumeration(
     ),
 )
 
+_MEANT = {
+    "proximal_length": Meaning.PROXIMAL_LENGTH,
+    "base_distance": Meaning.BASE_DISTANCE,
+}
+"""What others look for among the entries of the header."""
+
 _ENTRY = re.compile(
     r"X\((?P<type>real|integer), (?P<name>\w+), \"(?P<unit>[^\"]+)\", (?P<quanser>[^,]+), "
     r"(?P<haply>[^,]+), \"(?P<description>[^\"]+)\"\)"
@@ -45,7 +51,7 @@ def device_choice(description: str = "Preset of the device") -> ModelVariable:
         causality="parameter",
         type="enumeration",
         enumeration=DEVICE,
-        meaning=Meaning.OWN_DEVICE,
+        meaning=Meaning.DEVICE_PRESET,
         start=0,
     )
 
@@ -62,7 +68,7 @@ def device_parameters(section: Literal["GEOMETRY", "DYNAMICS"]) -> tuple[ModelVa
             unit=entry["unit"] if entry["type"] == "real" else None,
             start=-1 if entry["type"] == "integer" else -1.0,
             minimum=-1,
-            meaning=Meaning.OWN_DEVICE,
+            meaning=_MEANT.get(entry["name"], Meaning.OWN_DEVICE),
         )
         for entry in _entries(section)
     )
@@ -77,7 +83,7 @@ def placement_parameters() -> tuple[ModelVariable, ...]:
             causality="parameter",
             unit="m",
             start=0.0,
-            meaning=Meaning.OWN_DEVICE,
+            meaning=Meaning.BASE_X,
         ),
         ModelVariable(
             name="base_y",
@@ -85,7 +91,7 @@ def placement_parameters() -> tuple[ModelVariable, ...]:
             causality="parameter",
             unit="m",
             start=0.0,
-            meaning=Meaning.OWN_DEVICE,
+            meaning=Meaning.BASE_Y,
         ),
         ModelVariable(
             name="base_angle",
@@ -93,7 +99,7 @@ def placement_parameters() -> tuple[ModelVariable, ...]:
             causality="parameter",
             unit="rad",
             start=0.0,
-            meaning=Meaning.OWN_DEVICE,
+            meaning=Meaning.BASE_ANGLE,
         ),
     )
 

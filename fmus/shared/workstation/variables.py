@@ -134,10 +134,17 @@ def choice(name: str, description: str, enumeration: Enumeration, start: int = 0
     )
 
 
-def switch(name: str, description: str, *, start: bool = False) -> ModelVariable:
+def switch(
+    name: str, description: str, *, start: bool = False, meaning: Meaning | None = None
+) -> ModelVariable:
     """A boolean parameter."""
     return ModelVariable(
-        name=name, description=description, causality="parameter", type="boolean", start=start
+        name=name,
+        description=description,
+        causality="parameter",
+        type="boolean",
+        start=start,
+        meaning=meaning,
     )
 
 
@@ -172,7 +179,7 @@ def signal(
     *,
     start: float = 0,
     size: int | None = None,
-    meaning: Meaning | None = None,
+    meaning: Meaning | tuple[Meaning, ...] | None = None,
 ) -> ModelVariable:
     """A real input with a unit, an integer one without."""
     return ModelVariable(
@@ -364,9 +371,15 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: ModelVariable) -> Gr
                 "N",
                 2.5,
                 minimum=0.0,
-                meaning=Meaning.OWN_DEVICE,
+                meaning=Meaning.FORCE_LIMIT,
             ),
-            signal("joint_angle", "Measured joint angles of the device", "rad", size=2),
+            signal(
+                "joint_angle",
+                "Measured joint angles of the device",
+                "rad",
+                size=2,
+                meaning=(Meaning.JOINT_ANGLE_1, Meaning.JOINT_ANGLE_2),
+            ),
             signal(
                 "status",
                 "Sum of 1 homed, 2 active, 4 fault, 8 output enabled; forces only while homed, "
@@ -385,12 +398,20 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: ModelVariable) -> Gr
                 meaning=(Meaning.FINGER_X, Meaning.FINGER_Y),
             ),
             output("velocity", "Estimated tip velocity in the world", "m/s", FINGER_INPUTS, size=2),
-            output("force", "Rendered force on the finger, world", "N", rendered, size=2),
+            output(
+                "force",
+                "Rendered force on the finger, world",
+                "N",
+                rendered,
+                size=2,
+                meaning=(Meaning.FINGER_FORCE_X, Meaning.FINGER_FORCE_Y),
+            ),
             output(
                 "observed_energy",
                 "Energy that the user has put into what is rendered: minus the sum of T F v",
                 "J",
                 rendered,
+                meaning=Meaning.PORT_ENERGY,
             ),
             *extra,
         ),

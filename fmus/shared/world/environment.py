@@ -90,7 +90,13 @@ def coupler_parameters(
     return (
         *_surface("local", "the own fingers' couplers", local, local_source),
         *_surface("remote", "the remote fingers' couplers", remote, remote_source),
-        real("static_friction", "Static friction of fingers on the box (thesis 8.1)", "1", 0.6),
+        real(
+            "static_friction",
+            "Static friction of fingers on the box (thesis 8.1)",
+            "1",
+            0.6,
+            meaning=Meaning.STATIC_FRICTION,
+        ),
         real("kinetic_friction", "Kinetic friction of fingers on the box (thesis 8.1)", "1", 0.6),
         real(
             "slide_threshold",
@@ -160,7 +166,7 @@ def box_parameters() -> tuple[ModelVariable | Group, ...]:
         real(
             "inertia", "Inertia of the box; that of a uniform square of the side", "kg.m2", 6.7e-4
         ),
-        real("side", "Side of the square box (chosen)", "m", 0.1),
+        real("side", "Side of the square box (chosen)", "m", 0.1, meaning=Meaning.BOX_SIDE),
         real("gravity", "Gravity, which presses the box to the ground", "m/s2", 9.81),
         real(
             "ground_friction",
@@ -195,11 +201,22 @@ def wall_group() -> Group:
     return Group(
         "wall",
         (
-            switch("enabled", "Whether there is this wall"),
-            real("point_x", "A point on the wall, x", "m", 0.0),
-            real("point_y", "A point on the wall, y", "m", 0.0),
-            real("normal_x", "Normal of the wall into the free half-plane, x", "1", 0.0),
-            real("normal_y", "Normal of the wall into the free half-plane, y", "1", 1.0),
+            switch("enabled", "Whether there is this wall", meaning=Meaning.WALL_ENABLED),
+            real("point_x", "A point on the wall, x", "m", 0.0, meaning=Meaning.WALL_POINT_X),
+            real("point_y", "A point on the wall, y", "m", 0.0, meaning=Meaning.WALL_POINT_Y),
+            *(
+                real(
+                    f"normal_{axis}",
+                    f"Normal of the wall into the free half-plane, {axis}",
+                    "1",
+                    start,
+                    meaning=meaning,
+                )
+                for axis, start, meaning in (
+                    ("x", 0.0, Meaning.WALL_NORMAL_X),
+                    ("y", 1.0, Meaning.WALL_NORMAL_Y),
+                )
+            ),
             real("normal_stiffness", f"k_Nw ({source})", "N/m", 4000.0, minimum=0.0),
             real("normal_damping", f"b_Nw ({source})", "N.s/m", 30.0, minimum=0.0),
             real("tangential_stiffness", f"k_Tw ({source})", "N/m", 7000.0, minimum=0.0),
@@ -285,5 +302,6 @@ def environment_outputs(peer_inputs: tuple[str, ...]) -> tuple[ModelVariable | G
             "Positions (x, y) of 3 x 3 points of the object, row by row from its lower left corner",
             "m",
             size=18,
+            meaning=Meaning.NODE_POSITION,
         ),
     )

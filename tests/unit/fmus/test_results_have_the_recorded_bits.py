@@ -13,11 +13,12 @@ from tests.support.fmus import fmu_support as support
 GOLDEN = {
     "hand": "3e05773a61317d87",
     "object": "7b81ea5398e5a1e6",
-    "operator": "51b0ae57beebc70f",
+    "operator": "f0d199da5f0849cd",
     "signal": "0e6c20680b340d33",
     "virtual_coupler": "033b4e1048da5431",
 }
 
+REAL = {"Real", "Float64"}
 PARAMETERS = {
     "object": {"compensation": -1.5, "wall_stiffness": 3000.0, "wall_damping": 2.0},
     "operator": {"trajectory": 1, "sine_amplitude": [0.1, 0.05], "sine_frequency": [2.0, 3.0]},
@@ -42,7 +43,8 @@ def outputs(name: str, flavour: str) -> str:
                 values = []
                 for _ in range(fmu.shape(variable)):
                     state = (state * 6364136223846793005 + 1442695040888963407) % 2**64
-                    values.append(np.ldexp(float(state >> 11), -53) - 0.5)
+                    drawn = np.ldexp(float(state >> 11), -53) - 0.5
+                    values.append(drawn if fmu.kind(variable) in REAL else int(drawn > 0))
                 fmu.set(variable, values if len(values) > 1 else values[0])
             digest.update(fmu.bits())
             fmu.step()

@@ -11,7 +11,7 @@ import pytest
 
 import fmus
 from cosim.base.errors import InputError
-from cosim.base.meaning import Meaning, Slot
+from cosim.base.meaning import OF_OWN_DEVICE, Meaning, Slot
 from cosim.link.stream.bundle import FieldRole
 from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.fmu.reading import read_description
@@ -148,7 +148,7 @@ def test_every_archive_carries_the_same_meanings(flavour: str) -> None:
     assert found["shared.box_x"] == (None, Slot())
     variables = interface.variables
     assert variables["network_ticks"].meaning is Meaning.NETWORK_TICKS
-    assert variables["finger_1.base_x"].meaning is Meaning.OWN_DEVICE
+    assert variables["finger_1.base_x"].meaning is Meaning.BASE_X
 
 
 def test_the_contract_leaves_out_what_means_an_own_device(box: Assembly) -> None:
@@ -156,7 +156,7 @@ def test_the_contract_leaves_out_what_means_an_own_device(box: Assembly) -> None
     parameters = contract_of(box, half, half.peers[0])["components"]["vr_a"]["parameters"]
     declared = box.participants["vr_a"].interface.variables
     assert parameters
-    assert not [n for n in parameters if declared[n].meaning is Meaning.OWN_DEVICE]
+    assert not [n for n in parameters if declared[n].meaning in OF_OWN_DEVICE]
     assert "network_ticks" in parameters
 
 

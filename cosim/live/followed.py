@@ -1,0 +1,185 @@
+"""The run that a page shows: found among those that go on, read from its rings, kept a little.
+
+Every viewer takes the rows that it has not had yet from the same short memory, so that one that is
+slow costs the others and the loop nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.base.errors import InputError
+from cosim.live.scene import signals_of
+from cosim.realtime.ring import Reader, Ring
+from cosim.realtime.watcher import LoopStatus, Watcher, find_feed
+
+KEPT_SECONDS = 2.0
+"""What a viewer can be behind and still lose nothing."""
+POINTS = 256
+"""Most values of one signal in one frame; more rows become the least and the most of each part."""
+
+Cells = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class _Group:
+    """One record group: its reader, and its newest rows from row ``first`` on."""
+
+    reader: Reader
+    ring: Ring
+    period: int
+    columns: list[str]
+    floats: NDArray[np.bool_]
+    kept: int
+    first: int
+    rows: Cells
+
+    def read(self) -> None:
+        new = self.reader.read()
+        end = self.reader.position
+        if len(new):
+            joined = self.first + len(self.rows) == end - len(new)
+            rows = np.concatenate([self.rows, new]) if joined else new
+            self.rows = rows[-self.kept :]
+            self.first = end - len(self.rows)
+
+    def values(self, place: int, begin: int) -> Cells:
+        """A column from row ``begin`` of ``rows`` on, shape (n,)."""
+        column = np.ascontiguousarray(self.rows[begin:, place])
+        return column if self.floats[place] else column.view(np.int64).astype(np.float64)
+
+
+class Followed:
+    """A run that goes on: its content, its status, its newest values and rows."""
+
+    def __init__(self, path: Path) -> None:
+        self._watcher = Watcher(path)
+        self.content = self._watcher.content
+        self.rate = float(self.content["rate"])
+        self.scene: dict[str, Any] = self.content.get("scene") or {}
+        self._groups = [self._open(group) for group in self.content["groups"]]
+        self._place = {
+            name: (number, place)
+            for number, group in enumerate(self._groups)
+            for place, name in enumerate(group.columns)
+        }
+        self.scene_signals = [name for name in signals_of(self.scene) if name in self._place]
+
+    @classmethod
+    def find(cls, wanted: str | None) -> Followed | None:
+        """The run to show, ``None`` where none goes on."""
+        try:
+            return cls(find_feed(wanted))
+        except (InputError, FileNotFoundError):
+            return None
+
+    @property
+    def running(self) -> bool:
+        """Whether it still goes on."""
+        return self._watcher.running
+
+    @property
+    def lost(self) -> int:
+        """Rows that came too fast for this process."""
+        return sum(group.reader.lost for group in self._groups)
+
+    def status(self) -> LoopStatus | None:
+        """How the loop stands, ``None`` before the first tick."""
+        return self._watcher.status()
+
+    def read(self) -> None:
+        """Take what has come."""
+        for group in self._groups:
+            group.read()
+
+    @property
+    def time(self) -> float:
+        """Of the newest row (s)."""
+        ends = [(g.first + len(g.rows) - 1) * g.period for g in self._groups if len(g.rows)]
+        return max(ends, default=0) / self.rate
+
+    def newest(self) -> list[float | None]:
+        """The newest value of each of ``scene_signals``."""
+        found: list[float | None] = []
+        for name in self.scene_signals:
+            number, place = self._place[name]
+            group = self._groups[number]
+            found.append(_number(group.values(place, -1)[0]) if len(group.rows) else None)
+        return found
+
+    def since(self, names: list[str], seen: dict[int, int]) -> list[dict[str, Any]]:
+        """Rows of these signals that a viewer has not had; ``seen`` is moved on.
+
+        One entry a record group: times (s) and the signals' values at them.
+        """
+        found: list[dict[str, Any]] = []
+        for number, group in enumerate(self._groups):
+            wanted = [name for name in names if self._place.get(name, (-1, 0))[0] == number]
+            end = group.first + len(group.rows)
+            begin = max(seen.get(number, end), group.first)
+            seen[number] = end
+            if not wanted or begin >= end:
+                continue
+            part = max(1, -(-(end - begin) // (POINTS // 2)))
+            times, values = _thinned(group, wanted, begin, part)
+            found.append(
+                {"g": number, "t": (times * group.period / self.rate).tolist(), "y": values}
+            )
+        return found
+
+    def close(self) -> None:
+        """Let go of the rings."""
+        for group in self._groups:
+            group.reader.close()
+        self._watcher.__exit__()
+
+    def _open(self, group: dict[str, Any]) -> _Group:
+        ring = Ring(Path(group["ring"]), read_only=True)
+        columns = group["columns"]
+        kept = max(2, round(KEPT_SECONDS * self.rate / group["period"]))
+        reader = Reader(ring)
+        return _Group(
+            reader,
+            ring,
+            int(group["period"]),
+            [column[0] for column in columns],
+            np.array([bool(column[2]) for column in columns]),
+            kept,
+            reader.position,
+            np.empty((0, ring.cells)),
+        )
+
+
+def _thinned(
+    group: _Group, names: list[str], begin: int, part: int
+) -> tuple[NDArray[np.float64], dict[str, list[float | None]]]:
+    """Row numbers and values; of each ``part`` rows the least and the most, where that is > 2."""
+    count = group.first + len(group.rows) - begin
+    offset = begin - group.first
+    values: dict[str, list[float | None]] = {}
+    if part <= 2:
+        times = np.arange(begin, begin + count, dtype=np.float64)
+        for name in names:
+            column = group.values(group.columns.index(name), offset)
+            values[name] = [_number(each) for each in column.tolist()]
+        return times, values
+    starts = np.arange(0, count, part)
+    times = np.repeat(begin + starts.astype(np.float64), 2)
+    times[1::2] += part / 2
+    for name in names:
+        column = group.values(group.columns.index(name), offset)
+        pair = np.stack(
+            [np.minimum.reduceat(column, starts), np.maximum.reduceat(column, starts)], axis=1
+        )
+        values[name] = [_number(each) for each in pair.ravel().tolist()]
+    return times, values
+
+
+def _number(value: float) -> float | None:
+    """Six digits, which is more than a screen shows; what is no number is not drawn."""
+    return float(f"{value:.6g}") if value - value == 0.0 else None

@@ -1,0 +1,316 @@
+// The live page: what comes through the socket, drawn.
+
+import { Connection } from "/connection.js";
+import { Hand } from "/hand.js";
+import { Quantiles, delays, losses, packets, ripple, saturation } from "/measures.js";
+import { Plots } from "/plots.js";
+import { STATES, Scene, label, mark } from "/scene.js";
+import { Store } from "/store.js";
+import { colours, onTheme, user } from "/theme.js";
+
+const $ = (id) => document.getElementById(id);
+const PLOT_MS = 50;
+const PLOT_SHARE = 5; // plots take a fifth of the time at most
+const READOUT_MS = 250;
+const DRAW_MS = 6;
+const RIPPLE_SECONDS = 1;
+const RIPPLE_MEAN = 0.125; // s of the running mean
+
+const store = new Store();
+const scene = new Scene($("scene"));
+const plots = new Plots($("plots"), store);
+const latency = new Quantiles();
+let run = null;
+let seats = null;
+let newest = null;
+let dirty = false;
+let drawn = 0;
+let ages = new Quantiles();
+let chosen = null;
+let chosenNames = [];
+
+const connection = new Connection(location.hash.slice(1), {
+  opened: () => say("Connected."),
+  closed: (ever) => say(
+    ever ? "The run's server is gone; looking for it." :
+      "Not let in: open the whole address that cohaptic printed, with what follows the #.",
+  ),
+  waiting: () => say("No run goes on; the next one is shown."),
+  ended: () => say("The run has ended."),
+  run: introduce,
+  seats: takeSeats,
+  rows: (frame) => store.add(frame.rows),
+  frame: (frame) => {
+    store.add(frame.rows);
+    newest = frame;
+    ages.add(frame.age);
+    scene.take(frame.time, frame.values);
+    dirty = true;
+    if (performance.now() - drawn >= DRAW_MS && !document.hidden) draw();
+  },
+});
+// For whoever measures on the page; nothing here reads it.
+globalThis.cohaptic = {
+  get time() { return newest?.time ?? null; },
+  get age() { return newest?.age ?? null; },
+  get stale() { return connection.stale; },
+  get run() { return run; },
+  value: (name) => scene.value(name),
+  latency: (share) => latency.at(share),
+};
+const hand = new Hand($("scene"), scene, (message) => connection.say(message));
+
+function say(text) {
+  $("state").textContent = text;
+}
+
+// --- what is shown -------------------------------------------------------------------------------
+
+function introduce(told) {
+  run = told;
+  $("name").textContent = told.name;
+  document.title = `${told.name} · cohaptic`;
+  say("The run goes on.");
+  store.clear();
+  scene.show(told.scene, told.values);
+  hand.forget();
+  newest = null;
+  $("signals").replaceChildren(...Object.keys(told.signals).map((name) => {
+    const option = document.createElement("option");
+    option.value = name;
+    return option;
+  }));
+  legend();
+  usualPlots();
+}
+
+function usualPlots() {
+  plots.clear();
+  chosen = null;
+  const { fingers, channels, energies, boxes, bodies } = run.scene;
+  const forced = fingers.filter((finger) => finger.force.length);
+  if (forced.length) {
+    plots.add("Force on the fingers", "N", forced.map((finger) => ({
+      names: finger.force, label: label(finger), colour: scene.colourOf(finger.station),
+      dash: finger.finger - 1, combine: ([x, y]) => (x === null ? null : Math.hypot(x, y)),
+    })));
+  }
+  if (channels.length) {
+    plots.add("Delay of each packet, and those that were lost", "ms", [
+      ...channels.map((channel, index) => ({
+        names: [channel.age, channel.sequence], label: channel.name, colour: index, dash: index,
+        stepped: true, whole: ([age, number]) => delays(age, number, 1e3 / run.rate),
+      })),
+      ...channels.map((channel) => ({
+        names: [channel.age, channel.sequence], label: `${channel.name} lost`, points: true,
+        whole: ([age, number]) => losses(age, number, 1e3 / run.rate),
+      })),
+    ]);
+  }
+  if (energies.length) {
+    plots.add("Energy that the users have put in", "J", energies.map((name, index) => ({
+      names: [name], label: label(fingers[index] ?? { station: name, finger: "" }),
+      colour: scene.colourOf(fingers[index]?.station), dash: index % 2,
+    })));
+  }
+  const first = boxes.length ? boxes.map((box) => box.pose[0]) : bodies.map((body) => body.position);
+  chosenNames = chosenNames.filter((name) => name in run.signals);
+  if (!chosenNames.length) chosenNames = first;
+  plotChosen();
+}
+
+function plotChosen() {
+  if (chosen) plots.remove(chosen);
+  chosen = chosenNames.length
+    ? plots.add("Chosen signals", commonUnit(chosenNames), chosenNames.map((name, index) => ({
+      names: [name], label: name, colour: index, dash: Math.floor(index / 4),
+    })))
+    : null;
+  connection.say({ watch: plots.signals });
+}
+
+function commonUnit(names) {
+  const units = new Set(names.map((name) => run.signals[name]));
+  return units.size === 1 ? [...units][0] : "";
+}
+
+function legend() {
+  const items = STATES.map((text, state) => {
+    const canvas = document.createElement("canvas");
+    const ratio = devicePixelRatio || 1;
+    canvas.width = canvas.height = 22 * ratio;
+    canvas.style.width = canvas.style.height = "22px";
+    const pen = canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    pen.beginPath();
+    pen.arc(11, 11, 8, 0, 7);
+    mark(pen, 11, 11, state, colours.soft);
+    return [canvas, text];
+  });
+  if (!run.scene.fingers.length) items.length = 0;
+  if (run.scene.boxes.length > 1) items.push([null, "dashed: the other's copy of the box"]);
+  if (run.scene.fingers.length) items.push([null, "arrow: force on the finger · wedge: friction cone · bar: penetration"]);
+  $("legend").replaceChildren(...items.map(([canvas, text]) => {
+    const item = document.createElement("li");
+    if (canvas) item.append(canvas);
+    item.append(text);
+    return item;
+  }));
+}
+onTheme(() => {
+  if (run) legend();
+  draw();
+});
+
+// --- numbers -------------------------------------------------------------------------------------
+
+function readouts() {
+  const rows = [];
+  const add = (name, value, key) => rows.push([name, value, key]);
+  const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
+  const since = newest.time - RIPPLE_SECONDS;
+  const stations = new Map();
+  for (const finger of run.scene.fingers.filter((each) => each.force.length)) {
+    const found = store.since(finger.force, since);
+    if (!found || found[0].length < 10) continue;
+    const [times, x, y] = found;
+    const step = (times.at(-1) - times[0]) / (times.length - 1);
+    const value = {
+      ripple: ripple(x, y, Math.max(3, Math.round(RIPPLE_MEAN / step))),
+      full: saturation(x, y, finger.limit),
+    };
+    const before = stations.get(finger.station);
+    if (!before || !(before.ripple > value.ripple)) stations.set(finger.station, { ...before, ...value });
+  }
+  for (const [station, value] of stations) {
+    const name = station.replace(/^station_/, "");
+    add(`Force ripple, ${name}`, number(value.ripple, 2, "N"), `ripple-${name}`);
+    add(`At the limit, ${name}`, number(100 * value.full, 0, "%"), `saturation-${name}`);
+  }
+  for (const channel of run.scene.channels) {
+    const found = store.since([channel.age, channel.sequence], newest.time - 5);
+    if (!found) continue;
+    const { age, loss } = packets(found[1], found[2]);
+    add(`${channel.name} age`, number((age * 1e3) / run.rate, 1, "ms"), `age-${channel.name}`);
+    add(`${channel.name} lost`, number(100 * loss, 1, "%"), `loss-${channel.name}`);
+  }
+  if (newest.status) {
+    const { misses, worst, slipped } = newest.status;
+    add("Deadlines missed", `${misses}, ${slipped} slipped`, "misses");
+    add("Latest tick", number(worst * 1e3, 2, "ms"), "worst");
+  }
+  add("Frame's age", number(ages.at(0.5), 0, "ms"), "frame-age");
+  if (connection.stale) add("Stale frames dropped", String(connection.stale), "stale");
+  if (newest.lost) add("Rows lost by the page", String(newest.lost), "lost");
+  if (latency.count > 20) {
+    add("Pointer to picture", `${latency.at(0.5).toFixed(0)} ms, 99 %: ${latency.at(0.99).toFixed(0)}`, "latency");
+  }
+  $("readouts").replaceChildren(...rows.map(([name, value, key]) => {
+    const row = document.createElement("div");
+    const term = document.createElement("dt");
+    const detail = document.createElement("dd");
+    term.textContent = name;
+    detail.textContent = value;
+    detail.dataset.key = key;
+    if (key === "latency") row.title = "From the pointer's event to the canvas drawn with the tick that used it";
+    row.append(term, detail);
+    return row;
+  }));
+  const touching = run.scene.fingers.filter((finger) => scene.value(finger.state)).map(label);
+  $("scene").setAttribute("aria-label", `The scene at ${newest.time.toFixed(1)} s; ` +
+    (touching.length ? `fingers on the box: ${touching.join(", ")}` : "no finger touches the box"));
+}
+
+// --- drawing -------------------------------------------------------------------------------------
+
+function draw() {
+  scene.hand = hand.fingers;
+  scene.draw();
+  drawn = performance.now();
+  dirty = false;
+  if (!newest) return;
+  $("clock").textContent = `${newest.time.toFixed(1)} s`;
+  measureLatency();
+}
+
+/** A pointer's event is seen in the first picture whose tick has used its sample. */
+function measureLatency() {
+  const mine = newest.seen?.[seats?.user];
+  const pointer = run?.scene.pointers.find((each) => each.station === seats?.user);
+  const used = pointer ? scene.value(pointer.count) : null;
+  for (const [number, time] of mine ?? []) {
+    if (number <= used && hand.events.delete(time)) latency.add(drawn - time);
+  }
+}
+
+let plotted = 0;
+let plotEvery = PLOT_MS;
+let read = 0;
+function frame(now) {
+  hand.frame();
+  if (dirty || scene.hand) draw();
+  if (newest && now - plotted >= plotEvery) {
+    plotted = now;
+    plots.draw(newest.time);
+    plotEvery = Math.max(PLOT_MS, PLOT_SHARE * (performance.now() - now));
+  }
+  if (newest && now - read >= READOUT_MS) {
+    read = now;
+    readouts();
+  }
+  requestAnimationFrame(frame);
+}
+requestAnimationFrame(frame);
+
+// --- seats and controls --------------------------------------------------------------------------
+
+function takeSeats(told) {
+  seats = told;
+  const playing = run?.scene.pointers.length > 0;
+  $("controls").hidden = !playing;
+  $("help").hidden = !playing;
+  scene.own = told.user;
+  const pointer = run?.scene.pointers.find((each) => each.station === told.user);
+  hand.take(pointer ? pointer.fingers.map((finger) => finger.reach) : null);
+  const short = (name) => name.replace(/^station_/, "user ");
+  $("user").replaceChildren(...[null, ...told.users].map((name) => {
+    const option = new Option(name === null ? "looking on" : short(name), name ?? "");
+    option.disabled = name !== null && name !== told.user && told.taken.includes(name);
+    option.selected = name === told.user;
+    return option;
+  }));
+  const { speed, paused, speeds } = told.control;
+  $("speed").replaceChildren(...speeds.map((each) => new Option(`${each * 100} %`, each, false, each === speed)));
+  $("pause").setAttribute("aria-pressed", paused);
+  $("step").disabled = !paused;
+}
+
+const control = (wish) => connection.say({ control: wish });
+$("user").addEventListener("change", (event) => connection.say({ user: event.target.value || null }));
+$("restart").addEventListener("click", () => control({ restart: true }));
+$("pause").addEventListener("click", () => control({ paused: !seats.control.paused }));
+$("step").addEventListener("click", () => control({ step: true }));
+$("speed").addEventListener("change", (event) => control({ speed: Number(event.target.value) }));
+
+$("freeze").addEventListener("click", () => plots.hold(!plots.held));
+plots.onHold = (held) => $("freeze").setAttribute("aria-pressed", held);
+$("window").addEventListener("change", (event) => {
+  plots.seconds = Number(event.target.value);
+});
+$("choose").addEventListener("submit", (event) => {
+  event.preventDefault();
+  const name = $("signal").value.trim();
+  const known = run && name in run.signals;
+  $("signal").setCustomValidity(known ? "" : "The run records nothing of that name.");
+  if (!known) $("signal").reportValidity();
+  else if (!chosenNames.includes(name)) {
+    chosenNames = [...chosenNames, name].slice(-8);
+    $("signal").value = "";
+    plotChosen();
+  }
+});
+$("signal").addEventListener("input", () => $("signal").setCustomValidity(""));
+$("clear").addEventListener("click", () => {
+  chosenNames = [];
+  plotChosen();
+});

@@ -1,0 +1,126 @@
+"""The server in a process of its own, beside the one that records; it ends with that one.
+
+``python -m cosim.live.process`` is what runs there. It is told what to serve in its argument, says
+the address on its standard output, and ends when its standard input does.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from cosim.base.errors import InputError
+
+if TYPE_CHECKING:
+    from cosim.live.server import LiveServer
+
+NICENESS = 5
+"""A loop on the same processor goes first."""
+
+
+class ServerProcess:
+    """Starts the server, knows its address, and ends it; a context manager.
+
+    ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
+    user) and ``control`` are the shared memory of ``cohaptic play``.
+    """
+
+    def __init__(
+        self,
+        listen: tuple[str, int],
+        wanted: str | None,
+        *,
+        mailboxes: Mapping[str, Path] | None = None,
+        control: Path | None = None,
+    ) -> None:
+        told = {
+            "host": listen[0],
+            "port": listen[1],
+            "wanted": wanted,
+            "mailboxes": {user: str(path) for user, path in (mailboxes or {}).items()},
+            "control": None if control is None else str(control),
+        }
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "cosim.live.process", json.dumps(told)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+        )
+
+    def address(self) -> str:
+        """What to open in a browser; waits until it is served.
+
+        Raises:
+            InputError: it cannot be.
+        """
+        assert self._process.stdout is not None, "its output is a pipe"
+        line = self._process.stdout.readline().decode().strip()
+        said: dict[str, str] = json.loads(line) if line else {"error": "the live page died"}
+        if "error" in said:
+            raise InputError(said["error"])
+        return said["address"]
+
+    def close(self) -> None:
+        """End it."""
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                pipe.close()
+        self._process.terminate()
+        self._process.wait()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def main(told: Mapping[str, Any]) -> None:
+    """Serve until standard input ends."""
+    from cosim.live.control import PlayControl
+    from cosim.live.mailbox import Mailbox
+    from cosim.live.seats import Seats
+    from cosim.live.server import LiveServer, Serving
+
+    with suppress(OSError):
+        os.nice(NICENESS)
+    seats = None
+    if told["control"] is not None:
+        boxes = {user: Mailbox.attach(Path(path)) for user, path in told["mailboxes"].items()}
+        seats = Seats(boxes, PlayControl.attach(Path(told["control"])))
+    settings = Serving(
+        host=told["host"], port=told["port"], wanted=told["wanted"], play=seats is not None
+    )
+    asyncio.run(_serve(LiveServer(settings, seats)))
+
+
+async def _serve(server: LiveServer) -> None:
+    over = asyncio.Event()
+    loop = asyncio.get_running_loop()
+
+    def heard() -> None:
+        if not os.read(0, 4096):
+            loop.remove_reader(0)
+            over.set()
+
+    loop.add_reader(0, heard)
+    try:
+        await server.serve(lambda address: _say({"address": address}), over)
+    except InputError as error:
+        _say({"error": str(error)})
+
+
+def _say(message: Mapping[str, str]) -> None:
+    sys.stdout.write(json.dumps(message) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]))

@@ -1,0 +1,276 @@
+"""The server of the live page: one port for page, modules and socket, in a process of its own.
+
+It reads the rings of a run read-only (``cosim.live.followed``) and never talks to the loop. Where
+it serves ``cohaptic play``, what pages say of their pointers goes into mailboxes, again shared
+memory.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from http import HTTPStatus
+from typing import Any, cast
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from cosim.base.errors import InputError
+from cosim.live import assets
+from cosim.live.access import PROTOCOL, SOCKET, Access, hosts_of
+from cosim.live.followed import Followed
+from cosim.live.seats import Seats
+from cosim.live.viewer import MOST_SIGNALS, Viewer
+
+WATCH_RATE = 32.0
+"""Frames a second where nobody touches anything; the display rate of the thesis."""
+PLAY_RATE = 120.0
+LARGEST_MESSAGE = 4096
+"""Of a page (bytes)."""
+MOST_VIEWERS = 16
+SEARCH_SECONDS = 0.2
+"""From one look for a run to the next, while none is shown."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Serving:
+    """What is served, and to whom."""
+
+    host: str
+    port: int
+    wanted: str | None = None
+    """The run: its folder, scenario or process; ``None`` takes the newest."""
+    play: bool = False
+
+
+class LiveServer:
+    """Serves one run at a time to any number of pages."""
+
+    def __init__(self, settings: Serving, seats: Seats | None = None) -> None:
+        self._settings = settings
+        self._seats = seats
+        self._assets = assets.read_assets()
+        self._viewers: set[Viewer] = set()
+        self._run: Followed | None = None
+        self._common = ""
+        self.access = Access(hosts=frozenset())
+
+    async def serve(self, ready: Callable[[str], None], until: asyncio.Event) -> None:
+        """Serve until ``until`` is set; ``ready`` is told the address to open.
+
+        Raises:
+            InputError: nobody can listen there.
+        """
+        given = self._settings
+        try:
+            server = await serve(
+                self._connected,
+                given.host,
+                given.port,
+                process_request=self._request,
+                select_subprotocol=_protocol,
+                compression=None,
+                max_size=LARGEST_MESSAGE,
+                max_queue=8,
+                open_timeout=5,
+                close_timeout=1,
+                server_header=None,
+            )
+        except OSError as error:
+            message = f"--listen: {given.host}:{given.port} cannot be listened on: {error.strerror}"
+            raise InputError(message) from None
+        async with server:
+            self.access = Access(hosts=hosts_of(given.host, _port(server)))
+            ready(self.address)
+            frames = asyncio.create_task(self._frames())
+            await until.wait()
+            frames.cancel()
+            with suppress(asyncio.CancelledError):
+                await frames
+
+    @property
+    def address(self) -> str:
+        """What to open, with the token in its fragment."""
+        host = min(self.access.hosts, key=lambda name: (name.startswith("localhost"), name))
+        return f"http://{host}/#{self.access.token}"
+
+    # --- requests --------------------------------------------------------------------------------
+
+    def _request(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Answer what is not the socket; refuse whom it does not belong to."""
+        method = str(getattr(request, "method", "GET"))
+        refusal = self.access.refusal(method, request.path, request.headers)
+        if refusal is not None:
+            return _answer(refusal.status, "text/plain; charset=utf-8", refusal.sentence.encode())
+        host = request.headers["Host"]
+        if request.path == SOCKET:
+            if len(self._viewers) < MOST_VIEWERS:
+                return None
+            text = f"{MOST_VIEWERS} pages look on already; close one of them."
+            return _answer(HTTPStatus.SERVICE_UNAVAILABLE, "text/plain", text.encode())
+        found = self._assets.get(request.path)
+        if found is None:
+            return _answer(HTTPStatus.NOT_FOUND, "text/plain", b"There is nothing of that name.")
+        return _answer(HTTPStatus.OK, *found, **assets.headers(host))
+
+    async def _connected(self, socket: ServerConnection) -> None:
+        viewer = Viewer()
+        self._viewers.add(viewer)
+        if self._seats is not None:
+            self._seats.seat(viewer)
+        self._introduce(viewer)
+        sender = asyncio.create_task(self._send(socket, viewer))
+        try:
+            async for text in socket:
+                self._hear(viewer, text)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._viewers.discard(viewer)
+            if self._seats is not None:
+                self._seats.leave(viewer)
+                self._tell_seats()
+            sender.cancel()
+
+    async def _send(self, socket: ServerConnection, viewer: Viewer) -> None:
+        with suppress(ConnectionClosed, asyncio.CancelledError):
+            while True:
+                for text in await viewer.next(self._frame):
+                    await socket.send(text)
+
+    def _hear(self, viewer: Viewer, text: str | bytes) -> None:
+        """What a page says; what is not understood is dropped, for nothing here depends on it."""
+        try:
+            message: Any = json.loads(text)
+        except ValueError:
+            return
+        if not isinstance(message, dict):
+            return
+        said = cast("dict[str, Any]", message)
+        acknowledged, signals = said.get("ack"), said.get("watch")
+        if type(acknowledged) is int:
+            viewer.acknowledge(acknowledged)
+        if isinstance(signals, list):
+            names = [name for name in cast("list[Any]", signals) if isinstance(name, str)]
+            viewer.signals = names[:MOST_SIGNALS]
+        if self._seats is not None and self._seats.hear(viewer, said):
+            self._tell_seats()
+
+    # --- the run ---------------------------------------------------------------------------------
+
+    async def _frames(self) -> None:
+        """Follow a run, and offer its picture to everybody at the page's rate."""
+        period = 1.0 / (PLAY_RATE if self._settings.play else WATCH_RATE)
+        due = time.monotonic()
+        while True:
+            if self._run is None:
+                self._look()
+            elif not self._run.running:
+                self._picture()
+                self._end()
+            elif self._viewers:
+                self._picture()
+            due = max(due + (period if self._run else SEARCH_SECONDS), time.monotonic())
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+
+    def _look(self) -> None:
+        self._run = Followed.find(self._settings.wanted)
+        if self._run is not None:
+            for viewer in self._viewers:
+                viewer.seen.clear()
+                self._introduce(viewer)
+
+    def _end(self) -> None:
+        assert self._run is not None, "a run that ends was shown"
+        self._run.close()
+        self._run = None
+        for viewer in self._viewers:
+            viewer.tell({"type": "ended"})
+
+    def _introduce(self, viewer: Viewer) -> None:
+        """Tell a page what it looks at."""
+        run = self._run
+        if run is None:
+            viewer.tell({"type": "waiting"})
+            return
+        content = run.content
+        columns = [column for group in content["groups"] for column in group["columns"]]
+        viewer.tell(
+            {
+                "type": "run",
+                "name": content["name"],
+                "process": content["pid"],
+                "folder": content["folder"],
+                "rate": run.rate,
+                "scene": run.scene,
+                "values": run.scene_signals,
+                "signals": {column[0]: column[1] for column in columns},
+                "about": content.get("about") or {},
+            }
+        )
+        if self._seats is not None:
+            viewer.tell(self._seats.told(viewer))
+
+    def _tell_seats(self) -> None:
+        for viewer in self._viewers:
+            if self._seats is not None:
+                viewer.tell(self._seats.told(viewer))
+
+    def _picture(self) -> None:
+        """Read the rings once for everybody."""
+        run = self._run
+        assert run is not None, "there is a run to draw"
+        run.read()
+        status = run.status()
+        shown = {
+            "clock": round(time.monotonic() * 1e3, 3),
+            "time": round(run.time, 6),
+            "values": run.newest(),
+            "lost": run.lost,
+            "status": None if status is None else _finite(asdict(status)),
+        }
+        if self._seats is not None:
+            shown["seen"] = self._seats.seen()
+        self._common = json.dumps(shown, separators=(",", ":"), allow_nan=False)[1:-1]
+        for viewer in self._viewers:
+            viewer.offer()
+
+    def _frame(self, viewer: Viewer) -> str | None:
+        """The picture as it is now, with the rows that this page has not had."""
+        if self._run is None or not self._common:
+            return None
+        viewer.sent += 1
+        rows = json.dumps(self._run.since(viewer.signals, viewer.seen), separators=(",", ":"))
+        return f'{{"type":"frame","number":{viewer.sent},{self._common},"rows":{rows}}}'
+
+
+def _finite(value: Any) -> Any:
+    """What JSON can hold: a number that is none becomes ``None``."""
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in cast("dict[str, Any]", value).items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in cast("list[Any]", value)]
+    return value if not isinstance(value, float) or value - value == 0.0 else None
+
+
+def _protocol(_connection: ServerConnection, _offered: Sequence[Subprotocol]) -> Subprotocol:
+    """What the page asked for; the token beside it is no protocol."""
+    return Subprotocol(PROTOCOL)
+
+
+def _port(server: Server) -> int:
+    return int(next(iter(server.sockets)).getsockname()[1])
+
+
+def _answer(status: HTTPStatus, content_type: str, body: bytes, **more: str) -> Response:
+    headers = Headers({"Content-Type": content_type, "Content-Length": str(len(body)), **more})
+    if "Connection" not in headers:
+        headers["Connection"] = "close"
+    return Response(status.value, status.phrase, headers, body)

@@ -1,0 +1,176 @@
+"""A run in a browser: its scene, its plots, its numbers, at every width, dark and light."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from tests.browser.conftest import command, readout, shown, until
+
+pytestmark = pytest.mark.browser
+
+SIZES = (400, 1000, 1600)
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    out = tmp_path_factory.mktemp("live") / "run"
+    words = ("--realtime", "--live", "--duration", "120", "--no-figure", "--out", str(out))
+    with command("run", "two_users_box", *words) as (found, _):
+        yield found
+
+
+def colours(page):
+    """How many different colours the scene has."""
+    return page.evaluate(
+        """() => {
+          const canvas = document.getElementById("scene");
+          const pen = canvas.getContext("2d");
+          const bytes = pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer;
+          return new Set(new Uint32Array(bytes)).size;
+        }"""
+    )
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", SIZES)
+def test_the_scene_is_drawn_and_nothing_sticks_out(chromium, address, width, scheme):
+    with shown(chromium, address, width, 900, color_scheme=scheme) as page:
+        until(page, "cohaptic.time > 3.2")
+        assert colours(page) > 8
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.inner_text("#state") == "The run goes on."
+        label = page.get_attribute("#scene", "aria-label")
+        assert "a1, a2, b1, b2" in label
+        assert page.locator("figure").count() == 4
+        assert page.inner_text("#legend").count("\n") >= 4
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_contrast_is_aa(chromium, address, scheme):
+    with shown(chromium, address, color_scheme=scheme) as page:
+        until(page, "document.querySelector('[data-key]')")
+        found = page.evaluate(CONTRAST)
+        assert len(found["texts"]) > 20
+        assert [each for each in found["texts"] if each[1] < 4.5] == []
+        assert [each for each in found["colours"] if each[1] < 3.0] == []
+
+
+CONTRAST = """() => {
+  const parse = (text) => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => {
+    const [x, y, z] = [r, g, b].map((v) => v / 255).map(
+      (v) => (v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+  };
+  const contrast = (a, b) => {
+    const [high, low] = [light(a), light(b)].sort((x, y) => y - x);
+    return (high + 0.05) / (low + 0.05);
+  };
+  const ground = (element) => {
+    for (let e = element; e; e = e.parentElement) {
+      const found = parse(getComputedStyle(e).backgroundColor);
+      if (found.length < 4 || found[3] > 0) return found;
+    }
+    return [255, 255, 255];
+  };
+  const texts = [...document.querySelectorAll("body *")]
+    .filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()))
+    .filter((e) => e.checkVisibility() && e.tagName !== "OPTION")
+    .map((e) => [e.textContent.trim(), contrast(parse(getComputedStyle(e).color), ground(e))]);
+  const probe = document.createElement("i");
+  document.body.append(probe);
+  const named = (name) => {
+    probe.style.color = `var(--${name})`;
+    return parse(getComputedStyle(probe).color);
+  };
+  const colours = ["user-0", "user-1", "user-2", "user-3", "slide", "loss", "line", "focus"]
+    .map((name) => [name, contrast(named(name), named("ground"))]);
+  return { texts, colours };
+}"""
+
+
+def test_everything_is_reached_by_the_keyboard(chromium, address):
+    with shown(chromium, address) as page:
+        reached = []
+        for _ in range(12):
+            page.keyboard.press("Tab")
+            reached.append(
+                page.evaluate("document.activeElement.id || document.activeElement.type")
+            )
+        assert {"scene", "freeze", "window", "signal", "submit", "clear"} <= set(reached)
+        outline = page.evaluate(
+            "(document.getElementById('freeze').focus(),"
+            " getComputedStyle(document.getElementById('freeze')).outlineStyle)"
+        )
+        assert outline != "none"
+
+
+def test_any_signal_is_plotted_and_an_unknown_one_is_refused(chromium, address):
+    with shown(chromium, address) as page:
+        page.fill("#signal", "vr_b.finger_1.normal_force")
+        page.press("#signal", "Enter")
+        until(
+            page,
+            "document.querySelector('#plots').innerText.includes('vr_b.finger_1.normal_force')",
+        )
+        page.fill("#signal", "vr_b.nothing")
+        page.press("#signal", "Enter")
+        assert page.evaluate("document.getElementById('signal').validationMessage") != ""
+
+
+def test_held_plots_stand_still_while_the_run_goes_on(chromium, address):
+    with shown(chromium, address) as page:
+        page.click("#freeze")
+        picture = "document.querySelector('#plots canvas').toDataURL()"
+        time.sleep(0.2)
+        before, moment = page.evaluate(picture), page.evaluate("cohaptic.time")
+        time.sleep(0.5)
+        assert page.evaluate(picture) == before
+        assert page.evaluate("cohaptic.time") > moment + 0.3
+        page.click("#freeze")
+        time.sleep(0.5)
+        assert page.evaluate(picture) != before
+
+
+def test_after_five_seconds_of_standing_still_the_next_picture_is_the_present(chromium, address):
+    with shown(chromium, address) as page:
+        time.sleep(1.0)
+        page.evaluate("{ const end = performance.now() + 5000; while (performance.now() < end); }")
+        stood = page.evaluate("cohaptic.time")
+        until(page, f"cohaptic.time > {stood} + 1")
+        age = page.evaluate("cohaptic.age")
+        stale = page.evaluate("cohaptic.stale")
+        assert age < 100
+        assert stale >= 1
+
+
+def test_packets_ripple_and_deadlines_are_told(chromium, address):
+    with shown(chromium, address) as page:
+        until(page, "document.querySelector('[data-key=\"age-lan.forward\"]')")
+        time.sleep(1.5)
+        assert 7 < readout(page, "age-lan.forward") < 16
+        assert readout(page, "loss-lan.forward") == 0
+        assert readout(page, "ripple-b") < 0.2
+        assert readout(page, "misses") is not None
+
+
+def test_a_page_without_the_token_says_what_to_do(chromium, address):
+    context = chromium.new_context()
+    page = context.new_page()
+    page.goto(address.partition("#")[0])
+    for _ in range(50):
+        if "Not let in" in page.inner_text("#state"):
+            break
+        time.sleep(0.05)
+    assert "open the whole address that cohaptic printed" in page.inner_text("#state")
+    context.close()
+
+
+def test_a_run_without_a_pace_is_watched_too(chromium, tmp_path):
+    words = ("--live", "--duration", "400", "--no-figure", "--out", str(tmp_path / "run"))
+    watched = command("run", "two_users_box", *words)
+    with watched as (address, _), shown(chromium, address) as page:
+        assert until(page, "cohaptic.time > 20")
+        assert colours(page) > 8
