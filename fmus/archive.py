@@ -22,9 +22,12 @@ def fmu_bytes(
     libraries: Mapping[str, bytes],
     *,
     token: str,
-    licences: Mapping[str, bytes],
+    further: Mapping[str, bytes],
 ) -> bytes:
-    """The archive; ``libraries`` maps FMI 3.0 platform names to shared libraries."""
+    """The archive; ``libraries`` maps FMI 3.0 platform names to shared libraries.
+
+    ``further`` are files by their path in it: licences, and the table of the state.
+    """
     arrays = flavour == "fmi3-arrays"
     files: dict[str, bytes] = {}
     if flavour == "fmi2":
@@ -47,9 +50,7 @@ def fmu_bytes(
         files[f"binaries/darwin64/{model.name}.dylib"] = universal_binary(
             libraries["x86_64-darwin"], libraries["aarch64-darwin"]
         )
-    for name, text in licences.items():
-        files[f"documentation/licenses/{name}"] = text
-    return zip_bytes(files)
+    return zip_bytes({**files, **further})
 
 
 def zip_bytes(files: Mapping[str, bytes]) -> bytes:

@@ -30,7 +30,9 @@ from fmus.compiler import (
     host_platform,
 )
 from fmus.header import description_source, variables_header
+from fmus.layout import SlotLayout
 from fmus.names import model_names
+from fmus.state import STATE_FILE, offsets_source, state_table
 from fmus.symbols import fmi_functions, problems_of
 from fmus.table import Model
 
@@ -46,7 +48,15 @@ all models, because the compiler's cache looks at the include path too."""
 
 _SUPPORT = ("report.c", "number.c", "table_file.c", "platform.c")
 _GLUE = ("instance.c", "values.c", "snapshot.c", "fmi2.c", "fmi3.c")
-_GENERATORS = ("archive", "compiler", "description", "description2", "description3", "header")
+_GENERATORS = (
+    "archive",
+    "compiler",
+    "description",
+    "description2",
+    "description3",
+    "header",
+    "state",
+)
 _INCLUDE = (
     FOLDER / "fmi",
     FOLDER / "fmi" / "headers",
@@ -152,10 +162,20 @@ def build_fmus(
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             libraries = dict(zip(names, pool.map(compile_for, platforms), strict=True))
-        licences = licence_files(FOLDER)
+        further = {
+            f"documentation/licenses/{name}": text for name, text in licence_files(FOLDER).items()
+        }
+        if model.state:
+            further[STATE_FILE] = state_table(
+                build_development(model, folder=source.folder),
+                model.state,
+                slots=SlotLayout(model).slots,
+                digest=digest,
+                linear=model.linear,
+            )
         for flavour in FLAVOURS:
             path = scratch / f"{model.name}.{flavour}.fmu"
-            path.write_bytes(fmu_bytes(model, flavour, libraries, token=token, licences=licences))
+            path.write_bytes(fmu_bytes(model, flavour, libraries, token=token, further=further))
         (scratch / f"{model.name}.json").write_text(json.dumps(note))
         for path in [*scratch.glob("*.fmu"), scratch / f"{model.name}.json"]:
             path.replace(output / path.name)
@@ -187,7 +207,7 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
     header = variables_header(model)
     files = [*model_files(source), FOLDER / "fmi" / "development.c", *support_files()]
     headers = [path for folder in (*_INCLUDE[:-1], source.folder) for path in folder.glob("*.h")]
-    digest = hashlib.sha256(header.encode())
+    digest = hashlib.sha256(header.encode() + repr(model.state).encode())
     for path in [*files, *sorted(headers)]:
         digest.update(path.read_bytes())
     target = host_platform()
@@ -202,7 +222,12 @@ def build_development(model: Model | str, *, folder: Path | None = None) -> Path
                 "const size_t model_work_bytes = MODEL_WORK_BYTES;\n",
                 encoding="utf-8",
             )
-            compile_library(target, Path(name) / place.name, [*files, work], include=_INCLUDE)
+            places = Path(name) / "offsets.c"
+            text = offsets_source(model_files(source)[0], model.state) if model.state else ""
+            places.write_text(text, encoding="utf-8")
+            compile_library(
+                target, Path(name) / place.name, [*files, work, places], include=_INCLUDE
+            )
             (Path(name) / place.name).replace(place)
     return place
 

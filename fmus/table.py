@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from cosim.base.meaning import Meaning
+from fmus.state import Kept
 
 Type = Literal["real", "integer", "boolean", "enumeration", "string"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local"]
@@ -109,7 +110,12 @@ class Model:
     ``variable_step`` says whether steps of different length may follow each other; where it is
     false, the first step's length is enforced. ``default_step`` is in seconds. ``work_bytes`` is
     the room that ``model_outputs`` has for what ``model_step`` can use again (``model.h``).
-    ``state_ends_in_table``: the model says itself how much of its state is in use.
+    ``state_ends_in_table``: the model says itself how much of its state is in use. ``state`` lists
+    what of it changes (``fmus.state``); a model without is none that the theory can perturb.
+    ``linear``: outputs and steps are linear in inputs and state, so that any step is exact.
+    ``ideal`` holds the values of the parameters at which everything without a derivative is gone;
+    ``"window"`` stands for the window that velocities are then estimated over. ``damped`` holds
+    values that bring the model to rest where it would rest anyway.
     """
 
     name: str
@@ -122,3 +128,7 @@ class Model:
     default_step: float = 1 / 1024
     work_bytes: int = 0
     state_ends_in_table: bool = False
+    state: tuple[Kept, ...] = ()
+    linear: bool = False
+    ideal: Mapping[str, float | int | str] = field(default_factory=dict[str, float | int | str])
+    damped: Mapping[str, float] = field(default_factory=dict[str, float])

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cosim.analysis.grasp import Grasp
     from cosim.scenario import Scenario
     from cosim.scenario.form.sections import Forms
+    from cosim.scenario.load import Written
 
 CHOICES = ("auto", "cautious")
 
@@ -41,7 +42,15 @@ def load_tuned(
     """
     from cosim.scenario.load import read
 
-    written = read(path, overlays, sets, forms=forms)
+    return tuned(read(path, overlays, sets, forms=forms)).built()
+
+
+def tuned(written: Written) -> Written:
+    """What is written, with numbers in place of every ``compensation: auto``.
+
+    Raises:
+        InputError: as for ``load_tuned``.
+    """
     scenario = written.built()
     wanted = {
         name: str(part.parameters["compensation"])
@@ -49,7 +58,7 @@ def load_tuned(
         if isinstance(part.parameters.get("compensation"), str)
     }
     if not wanted:
-        return scenario
+        return written
     from cosim.analysis.grasp import WORKSTATION, find_grasp
 
     for name, choice in wanted.items():
@@ -65,14 +74,14 @@ def load_tuned(
                 "other model's box.",
                 place,
             )
-    grasp = find_grasp(scenario)
+    grasp = find_grasp(scenario, earliest=True)
     found = {choice: _compensation(grasp, choice) for choice in set(wanted.values())}
     numbers: list[str] = []
     for name, choice in wanted.items():
         parameter = f"components.{name}.parameters.compensation"
         numbers.append(f"{parameter}=~")
         numbers += [f"{parameter}.{axis}={b_c!r}" for axis, b_c in found[choice].items()]
-    return written.changed(numbers).built()
+    return written.changed(numbers)
 
 
 def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:

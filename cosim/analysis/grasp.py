@@ -7,6 +7,7 @@ values.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -31,8 +32,8 @@ Axis = Literal["normal", "tangential", "rotation"]
 class Grasp:
     """Who holds the box, and when they hear of each other.
 
-    ``timing.delay`` takes whole network samples; a delay given as a time is rounded down, so that a
-    compensation computed from it stays on the safe side.
+    ``timing.delay`` takes whole network samples: a delay between two is rounded up, which is the
+    safe side for stability, or down, which is that of a compensation.
     """
 
     workstations: tuple[ScenarioComponent, ...]
@@ -74,8 +75,10 @@ class Grasp:
         return np.array([parameter(part, name) for part in self.workstations])
 
 
-def find_grasp(scenario: Scenario) -> Grasp:
+def find_grasp(scenario: Scenario, *, earliest: bool = False) -> Grasp:
     """The distributed workstations of a scenario and the timing between them.
+
+    ``earliest`` rounds delays down and takes the shortest; else they are rounded up, the longest.
 
     Raises:
         InputError: there are fewer than two, or nothing joins them.
@@ -97,11 +100,15 @@ def find_grasp(scenario: Scenario) -> Grasp:
             "the distributed workstations run at different rates; the theory takes one.",
             scenario.locate(("components", workstations[1].name, "rate")),
         )
-    return Grasp(workstations, _timing(scenario, workstations, control.pop()))
+    return Grasp(workstations, _timing(scenario, workstations, control.pop(), earliest=earliest))
 
 
 def _timing(
-    scenario: Scenario, workstations: tuple[ScenarioComponent, ...], control: int
+    scenario: Scenario,
+    workstations: tuple[ScenarioComponent, ...],
+    control: int,
+    *,
+    earliest: bool,
 ) -> Timing:
     names = {part.station: part.name for part in workstations}
     delays: dict[tuple[str, str], Fraction] = {}
@@ -132,10 +139,13 @@ def _timing(
     order = list(names)
     ahead = [delay for (a, b), delay in delays.items() if order.index(a) < order.index(b)]
     back = [delay for (a, b), delay in delays.items() if order.index(a) > order.index(b)]
+    forward, backward = (
+        math.floor(min(way)) if earliest else math.ceil(max(way)) for way in (ahead, back)
+    )
     return Timing(
         control_period=Fraction(control) / scenario.base_rate,
         ratio=Fraction(periods.pop(), control),
-        delay=PathDelay(forward=int(min(ahead)), backward=int(min(back))),
+        delay=PathDelay(forward=forward, backward=backward),
     )
 
 

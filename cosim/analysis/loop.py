@@ -35,6 +35,46 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
     return read_single_axis(scenario)
 
 
+_LEFT_OUT = {
+    "predictor": "prediction",
+    "force_channel": "waves",
+    "passivity": "a passivity layer",
+    "environment": "a soft object",
+    "deadband": "a deadband",
+    "computation_delay_ticks": "a computation delay",
+}
+_NOTHING = {0, "hold_last", "plain", "none", "box"}
+
+
+def refuse_what_chapters_leave_out(scenario: Scenario) -> None:
+    """Refuse, by name, what the run has and the planar scenarios' loop of chapters 3 to 6 has not.
+
+    Raises:
+        InputError: with its place.
+    """
+    parts = [part for part in scenario.components.values() if part.is_bundled]
+    if not {part.source for part in parts} & {WORKSTATION, SERVER}:
+        return
+    for part in parts:
+        walls = [f"wall_{number}.enabled" for number in range(1, 5)]
+        for name, what in (*_LEFT_OUT.items(), *((wall, "a wall") for wall in walls)):
+            value = part.parameters.get(name)
+            if value is None or value in _NOTHING:
+                continue
+            raise InputError(
+                f"{part.name} has {what}, which the loop of chapters 3 to 6 leaves out: ask for "
+                "the run itself (theory radius, modes, boundary, margins, loss), or take it away.",
+                scenario.locate(("components", part.name, "parameters", name)),
+            )
+    for link in scenario.connections:
+        if link.via is None and (link.delay.ticks or link.rate is not None):
+            raise InputError(
+                f"{link} is delayed or sampled inside a station, which the loop of chapters 3 to 6 "
+                "leaves out: ask for the run itself (theory radius).",
+                scenario.locate(("connections",)),
+            )
+
+
 def _read_workstations(scenario: Scenario) -> ScenarioLoop:
     grasp = find_grasp(scenario)
     model = grasp.model("normal")

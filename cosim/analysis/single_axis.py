@@ -65,13 +65,8 @@ def read_single_axis(scenario: Scenario) -> ScenarioLoop:
             scenario.locate(("components",)),
         )
     distributed = len(objects) > 1
-    if distributed:
-        numbers = _distributed_users(scenario, hands, objects)
-    else:
-        home = objects[0].station
-        order = sorted(hands, key=lambda hand: hand.station != home)
-        numbers = {hand.name: place for place, hand in enumerate(order, start=1)}
-    values: dict[str, float] = {"k_w": 0.0, "b_w": 0.0}
+    numbers = _numbers(scenario, hands, objects, distributed=distributed)
+    values = parts.wall()
     for hand in hands:
         values[f"m_h{numbers[hand.name]}"] = parts.number(hand, "mass")
         values[f"b_h{numbers[hand.name]}"] = 0.0
@@ -92,6 +87,55 @@ def read_single_axis(scenario: Scenario) -> ScenarioLoop:
     notes: list[str] = []
     timing = parts.timing(numbers, notes, distributed=distributed)
     return ScenarioLoop(architecture, len(hands), values, timing, tuple(notes))
+
+
+def paths_of_leaves(scenario: Scenario) -> dict[str, tuple[str, ...]]:
+    """The scenario's paths behind each of the thesis's most specific names.
+
+    Raises:
+        InputError: as ``read_single_axis``.
+    """
+    parts = _Parts(scenario)
+    hands, objects, ties = parts.hands, parts.objects, parts.ties()
+    distributed = len(objects) > 1
+    numbers = _numbers(scenario, hands, objects, distributed=distributed)
+    found: dict[str, list[str]] = {}
+
+    def name(leaf: str, part: ScenarioComponent, parameter: str) -> None:
+        path = f"components.{part.name}.parameters.{parameter}"
+        found.setdefault(leaf, []).append(path)
+
+    for hand in hands:
+        name(f"m_h{numbers[hand.name]}", hand, "mass")
+    for body in objects:
+        suffix = str(numbers[body.name]) if distributed else ""
+        name(f"m_o{suffix}", body, "mass")
+        name(f"b_c{suffix}", body, "compensation")
+        name("k_w", body, "wall_stiffness")
+        name("b_w", body, "wall_damping")
+    names = {body.name for body in objects}
+    alone = len(hands) == 1 and not distributed
+    for tie in ties:
+        subscript = _name_of(tie, numbers, names, distributed=distributed)
+        suffix = "" if alone else f"_{subscript}"
+        name(f"k{suffix}", tie.coupler, "stiffness")
+        name(f"b{suffix}", tie.coupler, "damping")
+    return {leaf: tuple(paths) for leaf, paths in found.items()}
+
+
+def _numbers(
+    scenario: Scenario,
+    hands: list[ScenarioComponent],
+    objects: list[ScenarioComponent],
+    *,
+    distributed: bool,
+) -> dict[str, int]:
+    """Users are numbered by station: the object's own first, or as the hands are written."""
+    if distributed:
+        return _distributed_users(scenario, hands, objects)
+    home = objects[0].station
+    order = sorted(hands, key=lambda hand: hand.station != home)
+    return {hand.name: place for place, hand in enumerate(order, start=1)}
 
 
 def _couplers(*, distributed: bool, users: int) -> list[str]:
@@ -165,6 +209,24 @@ class _Parts:
         value = part.parameters.get(name)
         return float(value) if isinstance(value, int | float) else _start(part.source, name)
 
+    def wall(self) -> dict[str, float]:
+        """The wall that every copy of the object is in contact with.
+
+        Raises:
+            InputError: the copies have different walls.
+        """
+        walls = {
+            (self.number(body, "wall_stiffness"), self.number(body, "wall_damping"))
+            for body in self.objects
+        }
+        if len(walls) > 1:
+            raise InputError(
+                "The theory takes one wall for all copies of the object.",
+                self.scenario.locate(("components", self.objects[0].name)),
+            )
+        stiffness, damping = walls.pop()
+        return {"k_w": stiffness, "b_w": damping}
+
     def timing(self, numbers: dict[str, int], notes: list[str], *, distributed: bool) -> Timing:
         """Rates and delays; what the theory leaves out goes into the notes."""
         loop = (*self.hands, *self.objects, *self.couplers)
@@ -176,10 +238,17 @@ class _Parts:
                 "objects and couplers.",
                 self.scenario.locate(("components",)),
             )
+        if max(late, default=0) and self.wall()["k_w"]:
+            raise InputError(
+                "An object's wall has no computation delay, and that of chapter 5's loop has the "
+                "couplers'.",
+                self.scenario.locate(("components", self.objects[0].name)),
+            )
         control = periods.pop()
         ways: dict[bool, set[tuple[int, int]]] = {True: set(), False: set()}
         for link in self.scenario.connections:
             if link.via is None:
+                self._refuse_late(link)
                 continue
             source = self.scenario.components[link.source.component]
             target = self.scenario.components[link.target.component]
@@ -202,6 +271,14 @@ class _Parts:
             ),
             computation_delay=late.pop() if late else 0,
         )
+
+    def _refuse_late(self, link: Connection) -> None:
+        if link.delay.ticks or link.rate is not None:
+            raise InputError(
+                f"{link} is delayed or sampled inside a station, which chapters 3 to 6 do not "
+                "know.",
+                self.scenario.locate(("connections",)),
+            )
 
     def _is_forward(
         self,

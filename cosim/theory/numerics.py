@@ -43,8 +43,10 @@ def spectral_radius(matrix: Real) -> float:
     return float(np.max(np.abs(eigenvalues(matrix))))
 
 
-def find_root(function: Callable[[float], float], low: float, high: float) -> float:
-    """The zero of ``function`` in [low, high], to 1e-13 and a few units in the last place.
+def find_root(
+    function: Callable[[float], float], low: float, high: float, accuracy: float = 1e-13
+) -> float:
+    """The zero of ``function`` in [low, high], to ``accuracy`` and a few units in the last place.
 
     Brent's method (Algorithms for Minimization without Derivatives, 1973, chapter 4). Written out,
     because importing SciPy's takes longer than a whole design.
@@ -65,7 +67,7 @@ def find_root(function: Callable[[float], float], low: float, high: float) -> fl
         if abs(f_other) < abs(f_now):
             before, now, other = now, other, now
             f_before, f_now, f_other = f_now, f_other, f_now
-        tolerance = _ROUNDING * abs(now) + 0.5e-13
+        tolerance = _ROUNDING * abs(now) + 0.5 * accuracy
         half = 0.5 * (other - now)
         if abs(half) <= tolerance or f_now == 0.0:
             return now
@@ -116,18 +118,21 @@ def minimise_bounded(
     return float(result.x), float(result.fun)
 
 
-def largest_eigenvalue_of_map(apply: Callable[[Real], Real], start: Real) -> float:
+def largest_eigenvalue_of_map(
+    apply: Callable[[Real], Real], start: Real, accuracy: float = 1e-9
+) -> float:
     """The largest eigenvalue magnitude of a linear map given as a function (Arnoldi).
 
     Args:
         apply: the map, from a vector of shape (size,) to a vector of shape (size,).
         start: where to start, shape (size,), with a part in the wanted direction.
+        accuracy: relative.
     """
     linalg: Any = import_module("scipy.sparse.linalg")
     operator = linalg.LinearOperator((start.size, start.size), matvec=apply, dtype=np.float64)
     try:
         values: Any = linalg.eigs(
-            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=1e-9
+            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=accuracy
         )
     except linalg.ArpackNoConvergence:
         # Crowded spectra: fall back on the whole matrix.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fmus.shared.workstation import state as kept
 from fmus.shared.workstation import variables as workstation
 from fmus.shared.workstation.variables import PEERS
 from fmus.shared.world import environment
@@ -49,6 +50,22 @@ MODEL = Model(
         ),
         *environment.environment_outputs(_CLIENTS),
     ),
+    state=(
+        *kept.station_state(),
+        *kept.world_state(),
+        *(
+            member
+            for peer, finger in kept.pairs(PEERS, 2)
+            for member in (
+                *kept.wave_state(f"wave[{peer}][{finger}].in", "force_channel"),
+                *kept.vector(f"wave[{peer}][{finger}].position", "m", "force_channel"),
+                *kept.vector(f"wave[{peer}][{finger}].velocity", "m/s", "force_channel"),
+                *kept.vector(f"wave[{peer}][{finger}].integral", "N.s", "force_channel"),
+            )
+        ),
+        *(member for peer in range(PEERS) for member in kept.packet_state(f"sent[{peer}]")),
+    ),
+    ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(
         "model.c",
         "world.c",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fmus.shared.workstation import state as kept
 from fmus.shared.workstation import variables as workstation
 from fmus.shared.workstation.variables import PEERS
 from fmus.shared.world import environment
@@ -43,6 +44,8 @@ MODEL = Model(
         *environment.environment_outputs(_PEERS),
     ),
     work_bytes=4096,
+    state=(*kept.station_state(), *kept.packet_state("sent"), *kept.world_state()),
+    ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(
         "model.c",
         "world.c",

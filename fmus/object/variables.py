@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
+from fmus.state import KeptReal
 from fmus.table import Model, ModelVariable
 
 MODEL = Model(
     name="object",
     description="Object on one axis: a mass driven by held forces, discretised exactly",
     sources=("model.c",),
+    linear=True,
+    state=(
+        KeptReal(path="position", unit="m", step=1.0),
+        KeptReal(path="velocity", unit="m/s", step=1.0),
+    ),
     variables=(
         ModelVariable(
             name="force",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
+from fmus.state import words
 from fmus.table import Causality, Enumeration, Item, Model, ModelVariable
 
 VIA_POINTS = 16
@@ -83,6 +84,7 @@ MODEL = Model(
     description="Emulated user: force, and a hand impedance along a planar trajectory",
     sources=("model.c", "tracking.c", "waveform.c"),
     state_ends_in_table=True,
+    state=tuple(words(("time",))),
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
         _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
+from fmus.state import KeptRing, reals, words
 from fmus.table import Model, ModelVariable, Terminal
 
 _PARAMETERS = (
@@ -202,6 +203,24 @@ MODEL = Model(
     "the user's finger mass at the tip",
     variables=(*_PARAMETERS, *_INPUTS, *_OUTPUTS),
     work_bytes=8,
+    state=(
+        *reals(("motion.angle[0]", "motion.angle[1]"), "rad"),
+        *reals(("motion.rate[0]", "motion.rate[1]"), "rad/s", step=1e-4),
+        *reals(("current[0]", "current[1]"), "A"),
+        KeptRing(
+            path="delayed",
+            unit="N.m",
+            index="oldest",
+            rows=8,
+            width=2,
+            length="computation_delay_ticks",
+            live="computation_delay_ticks",
+            backwards=False,
+        ),
+        *words(("oldest",)),
+    ),
+    ideal={"encoder_counts": 0, "dac_bits": 0, "coulomb_friction": 0.0},
+    damped={"viscous_friction": 0.2},
     sources=("model.c", "five_bar.c", "mechanism.c", "drive.c"),
     terminals=(
         Terminal(

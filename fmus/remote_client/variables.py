@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fmus.shared.workstation import state as kept
 from fmus.shared.workstation import variables as workstation
 from fmus.shared.workstation.variables import (
     ALL_FINGER_INPUTS,
@@ -11,6 +12,7 @@ from fmus.shared.workstation.variables import (
     planar,
     real,
 )
+from fmus.state import words
 from fmus.table import Group, Model
 
 _UP = (
@@ -54,6 +56,21 @@ MODEL = Model(
         planar("box_pose", "Pose of the server's box, for display", POSE, _BOX, meaning=BOX_POSE),
         planar("box_velocity", "Velocity of the server's box, for display", VELOCITY, _BOX),
     ),
+    state=(
+        *kept.station_state(),
+        *kept.packet_state("sent"),
+        *(
+            member
+            for finger in range(2)
+            for member in (
+                *kept.wave_state(f"wave[{finger}].back", "force_channel"),
+                *kept.vector(f"wave[{finger}].integral", "N.s", "force_channel"),
+                *kept.vector(f"wave[{finger}].origin", "m", "force_channel"),
+                *words((f"wave[{finger}].started",)),
+            )
+        ),
+    ),
+    ideal=kept.IDEAL_STATION,
     sources=(
         "model.c",
         "finger.c",

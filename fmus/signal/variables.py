@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
+from fmus.state import words
 from fmus.table import Enumeration, Item, Model, ModelVariable
 
 MODE = Enumeration(
@@ -29,6 +30,8 @@ MODEL = Model(
     description="A signal over time: constant, step, sine, minimum jerk, table",
     sources=("model.c", "waveform.c"),
     state_ends_in_table=True,
+    linear=True,
+    state=tuple(words(("time",))),
     variables=(
         ModelVariable(name="value", description="The signal", causality="output", unit=""),
         ModelVariable(name="rate", description="Its time derivative", causality="output", unit=""),

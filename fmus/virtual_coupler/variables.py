@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
+from fmus.state import KeptReal
 from fmus.table import Model, ModelVariable
 
 
@@ -18,6 +19,13 @@ MODEL = Model(
     name="virtual_coupler",
     description="Virtual coupler: spring and damper between two bodies on one axis",
     sources=("model.c",),
+    linear=True,
+    state=tuple(
+        KeptReal(
+            path=f"force[{age}]", unit="N", step=1.0, when=f"computation_delay_ticks>={age + 1}"
+        )
+        for age in range(8)
+    ),
     variables=(
         _input("position_a", "Position of body a", "m"),
         _input("velocity_a", "Velocity of body a", "m/s"),

@@ -16,6 +16,7 @@ SUBCOMMANDS = {
     "loss": "Critical packet loss, and mean-square stability at a given one.",
     "map": "Stability over a plane of two parameters.",
     "margins": "Distance to instability in gain, delay and loss.",
+    "modes": "How a run moves: growth, frequency, and who takes part.",
     "page": "The page that compares chapters 3 to 6 with this library.",
     "passivity": "Passivity and Z-width on a device with physical damping.",
     "radius": "Spectral radius of a loop: stable below 1.",

@@ -6,8 +6,10 @@ from typing import get_args
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.compensation import null_compensation
 from cosim.theory.transparency.damping import DampingModel
@@ -26,17 +28,29 @@ FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
     help="With the hands (Fig. 6.1) or with the forces directly on the objects (Fig. 6.3).",
 )
 @click.option("--all-hands", is_flag=True, help="Every user holds the object, not one alone.")
-@loop_options(chapter=6)
-def command(loop: Loop, as_json: bool, kind: DampingModel, all_hands: bool) -> None:
+@click.option("--user", metavar="NAME", help="With --scenario: the hand that feels it.")
+@loop_options(chapter=6, runs=True)
+def command(
+    loop: Loop | RunLoop, as_json: bool, kind: DampingModel, all_hands: bool, user: str | None
+) -> None:
     """DC damping b = lim F/V, and the compensation b_c per object copy that nulls it.
 
     Centralized: the remote user feels it. One user holds the object, as in Fig. 6.1; --all-hands
     lets the others hold it as well. The compensation is the value of an object's parameter:
-    negative compensates.
+    negative compensates. With --scenario everybody holds it as in the run.
     """
-    user = FELT_BY[loop.architecture]
-    model = loop.model if all_hands else loop.one_hand(user)
-    found = null_compensation(model, loop.timing, user, kind)
+    if isinstance(loop, RunLoop):
+        if kind != "original":
+            raise InputError(
+                "--model simplified has no hands, and a run has those of its scenario."
+            )
+        _of_run(loop, user, as_json=as_json)
+        return
+    if user is not None:
+        raise InputError("--user names a hand of a scenario: give --scenario FILE too.")
+    felt_by = FELT_BY[loop.architecture]
+    model = loop.model if all_hands else loop.one_hand(felt_by)
+    found = null_compensation(model, loop.timing, felt_by, kind)
     as_it_is = stability(model, loop.timing)
     result = {
         "damping": found.damping,
@@ -53,9 +67,41 @@ def command(loop: Loop, as_json: bool, kind: DampingModel, all_hands: bool) -> N
     verdict = "stable" if found.compensated.stable else "unstable"
     text = (
         f"{describe(loop)}\n"
-        f"damping {found.damping:.6g} N·s/m, felt by user {user + 1} ({kind} model){warning}\n"
+        f"damping {found.damping:.6g} N·s/m, felt by user {felt_by + 1} ({kind} model){warning}\n"
         f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated loop "
         f"is {verdict} (spectral radius {found.compensated.spectral_radius:.6g} beside the common "
         "motion)"
     )
     emit(result, text, as_json=as_json, notes=loop.notes)
+
+
+def _of_run(loop: RunLoop, user: str | None, *, as_json: bool) -> None:
+    from cosim.analysis.answers.felt import null_run_damping
+    from cosim.analysis.answers.push import find_push
+    from cosim.cli.theory.support.run_answer import about, place
+
+    with loop.asked() as asked:
+        number = 1 if about(asked)["architecture"] == "centralized" else 0
+        push = find_push(asked.scenario, user, number=number)
+        as_it_is = asked.point().spectrum()
+        found = null_run_damping(asked, push)
+        result = {
+            "damping": found.damping,
+            "compensation": found.value,
+            "stable": as_it_is.stable,
+            "compensated_spectral_radius": found.radius,
+            "compensated_stable": found.stable,
+            "compensated_marginal": found.marginal,
+            "user": push.hand,
+            "model": "original",
+            **about(asked),
+        }
+        warning = "" if as_it_is.stable else "; the run itself is unstable, so nobody will feel it"
+        text = (
+            f"{place(asked)}\n"
+            f"damping {found.damping:.6g} N·s/m, felt by {push.hand}{warning}\n"
+            f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated "
+            f"run is {'stable' if found.stable else 'unstable'} (spectral radius "
+            f"{found.radius:.6g} beside the common motion)"
+        )
+        emit(result, text, as_json=as_json, notes=asked.notes)

@@ -10,7 +10,7 @@ from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile
-from cosim.cli.theory.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.network import Network
 from cosim.theory.design import design, overlay
 

@@ -11,7 +11,8 @@ import click
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
-from cosim.cli.theory.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
 
@@ -33,15 +34,19 @@ from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_
     metavar="PACKETS",
     help="Mean burst length at that loss (Gilbert–Elliott).",
 )
-@loop_options(chapter=5)
+@loop_options(chapter=5, runs=True)
 def command(
-    loop: Loop, as_json: bool, losses: Losses, loss: float | None, burst: float | None
+    loop: Loop | RunLoop, as_json: bool, losses: Losses, loss: float | None, burst: float | None
 ) -> None:
     """Critical loss probability: the smallest at which the loop is not mean-square stable.
 
     null (JSON) or "none" (text) where no loss below 0.999 destabilises the loop. A lost packet
-    leaves the value held before.
+    leaves the value held before. With --scenario the map of every fate is that of the run; what
+    the scenario's own channels lose is answered by theory radius.
     """
+    if isinstance(loop, RunLoop):
+        _of_run(loop, losses, loss, burst, as_json=as_json)
+        return
     critical = critical_loss(loop.model, loop.timing, losses)
     result: dict[str, object] = {
         "critical_loss": critical,
@@ -58,6 +63,27 @@ def command(
     elif burst is not None:
         raise InputError("--burst needs the loss probability too: add --loss, such as 0.02.")
     emit(result, "\n".join(lines), as_json=as_json, notes=loop.notes)
+
+
+def _of_run(
+    loop: RunLoop, losses: Losses, loss: float | None, burst: float | None, *, as_json: bool
+) -> None:
+    from cosim.analysis.answers.chance import critical_run_loss, fate_maps, mean_square_at
+    from cosim.cli.theory.support.run_answer import about, place
+
+    with loop.asked() as asked:
+        maps = fate_maps(asked.point(), losses)
+        critical = critical_run_loss(maps, losses)
+        result: dict[str, object] = {"critical_loss": critical, "losses": losses, **about(asked)}
+        lines = [place(asked), _sentence(critical, losses)]
+        if loss is not None:
+            radius = mean_square_at(maps, _process(loss, burst), losses)
+            result |= {"mean_square_radius": radius, "mean_square_stable": radius < 1.0}
+            verdict = "stable" if radius < 1.0 else "unstable"
+            lines.append(f"at loss {loss:g}: mean-square radius {radius:.6g}, {verdict}")
+        elif burst is not None:
+            raise InputError("--burst needs the loss probability too: add --loss, such as 0.02.")
+        emit(result, "\n".join(lines), as_json=as_json, notes=asked.notes)
 
 
 def _process(loss: float, burst: float | None) -> Callable[[int], LinkProcess]:

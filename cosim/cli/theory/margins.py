@@ -5,26 +5,50 @@ from __future__ import annotations
 import click
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.options import Loop, describe, emit, loop_options
-from cosim.theory.stability.margins import margins
+from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.run_options import RunLoop
+from cosim.theory.stability.margins import Margins, margins
 
 
 @click.command(cls=JsonCommand)
-@loop_options(chapter=5)
-def command(loop: Loop, as_json: bool) -> None:
+@loop_options(chapter=5, runs=True)
+def command(loop: Loop | RunLoop, as_json: bool) -> None:
     """Margins at a design point: factors on stiffness, damping, network gain; delay; loss."""
+    if isinstance(loop, RunLoop):
+        _of_run(loop, as_json=as_json)
+        return
     found = margins(loop.model, loop.timing)
     result = {
+        **_numbers(found),
+        "architecture": loop.architecture,
+        "parameters": loop.parameters.resolved(),
+    }
+    text = "\n".join([describe(loop), *_lines(found)])
+    emit(result, text, as_json=as_json, notes=loop.notes)
+
+
+def _of_run(loop: RunLoop, *, as_json: bool) -> None:
+    from cosim.analysis.answers.vary import run_margins
+    from cosim.cli.theory.support.run_answer import about, place
+
+    with loop.asked() as asked:
+        found = run_margins(asked)
+        text = "\n".join([place(asked), *_lines(found)])
+        emit({**_numbers(found), **about(asked)}, text, as_json=as_json, notes=asked.notes)
+
+
+def _numbers(found: Margins) -> dict[str, object]:
+    return {
         "stiffness": list(found.stiffness),
         "damping": list(found.damping),
         "network": None if found.network is None else list(found.network),
         "delay": found.delay,
         "critical_loss": found.loss,
-        "architecture": loop.architecture,
-        "parameters": loop.parameters.resolved(),
     }
+
+
+def _lines(found: Margins) -> list[str]:
     lines = [
-        describe(loop),
         f"stable with every stiffness times {_span(found.stiffness)}",
         f"stable with every damping times {_span(found.damping)}",
     ]
@@ -37,7 +61,7 @@ def command(loop: Loop, as_json: bool) -> None:
         )
         loss = "none below 0.999" if found.loss is None else f"{found.loss:.4g}"
         lines.append(f"critical loss: {loss}")
-    emit(result, "\n".join(lines), as_json=as_json, notes=loop.notes)
+    return lines
 
 
 def _span(interval: tuple[float, float]) -> str:

@@ -203,6 +203,7 @@ EXPORT int64_t link_admit(const Admission *admission, const double *values, int6
                           double *out, int64_t newest);
 EXPORT int64_t kernel_float_mode(void);
 EXPORT int64_t kernel_restore_float_mode(int64_t mode);
+EXPORT uint64_t kernel_checksum(const uint64_t *words, int64_t count);
 EXPORT void kernel_log_open(Log *log);
 EXPORT void kernel_log_close(Log *log);
 EXPORT Log *kernel_log_stray(void);

@@ -305,6 +305,11 @@ class Simulation:
         self._put_back(snapshot)
 
     @property
+    def fmus(self) -> Mapping[str, Fmu]:
+        """The FMUs that run, by component; empty before the start."""
+        return self._fmus
+
+    @property
     def repeated(self) -> tuple[str, ...]:
         """The components for which ``restore`` runs everything again from tick 0."""
         return checkpoint.without_state(self.assembly)

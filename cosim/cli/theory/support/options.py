@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.theory.support.run_options import RUN_OPTIONS, read_run, refuse_run_options
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import (
     ARCHITECTURES,
@@ -62,7 +63,10 @@ class Loop:
 
 
 def loop_options(
-    chapter: int, implied: Callable[[Mapping[str, Any]], Architecture | None] | None = None
+    chapter: int,
+    implied: Callable[[Mapping[str, Any]], Architecture | None] | None = None,
+    *,
+    runs: bool = False,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Add the shared options to a command, which then takes ``loop`` and ``as_json``.
 
@@ -70,12 +74,25 @@ def loop_options(
         chapter: whose constants are the defaults, 5 or 6.
         implied: the architecture that the command's own options imply, which may then be left
             unsaid, but not contradicted.
+        runs: a scenario is taken as it runs: ``loop`` is then a ``RunLoop``.
     """
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
         @functools.wraps(function)
         def wrapper(**values: Any) -> None:
             shared = {name: values.pop(name) for name in _SHARED}
+            moment = {name: values.pop(name) for name in ("at", "ideal", "window") if runs}
+            if runs and shared["scenario"] is not None:
+                asked = read_run(
+                    shared["scenario"],
+                    shared["overlays"],
+                    shared["settings"],
+                    {**shared, **moment},
+                    read_setting,
+                )
+                function(loop=asked, **values)
+                return
+            refuse_run_options({"at": None, "ideal": None, "window": None, **moment})
             meant = implied(values) if implied is not None else None
             if meant is not None:
                 if shared["architecture"] not in {None, meant}:
@@ -87,7 +104,7 @@ def loop_options(
             function(loop=_loop(chapter, **shared), **values)
 
         decorated: Callable[..., None] = wrapper
-        for option in reversed(_OPTIONS):
+        for option in reversed((*_OPTIONS[:-1], *(RUN_OPTIONS if runs else ()), _OPTIONS[-1])):
             decorated = option(decorated)
         return decorated
 
@@ -195,7 +212,12 @@ def _loop(
     if computation_delay is not None:
         changes["computation_delay"] = computation_delay
     if named == "single":
-        # The single-user loop has no network: one frame is one control tick.
+        if ratio is not None or given_delay is not None:
+            raise InputError(
+                "A single user has no network, so that there is no ratio of rates and no delay: "
+                "leave --ratio and the delay out, or take --computation-delay."
+            )
+        # One frame is one control tick.
         changes |= {"ratio": Fraction(1), "delay": PathDelay()}
     return Loop(parameters, replace(base, **changes), notes, loaded)
 
@@ -203,10 +225,11 @@ def _loop(
 def _from_scenario(
     name: str, overlays: tuple[str, ...], paths: tuple[str, ...]
 ) -> tuple[ScenarioLoop, Scenario]:
-    from cosim.analysis.loop import read_loop
+    from cosim.analysis.loop import read_loop, refuse_what_chapters_leave_out
     from cosim.scenario import load
 
     scenario = load(name, overlays, paths)
+    refuse_what_chapters_leave_out(scenario)
     return read_loop(scenario), scenario
 
 

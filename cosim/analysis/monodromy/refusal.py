@@ -1,0 +1,82 @@
+"""What the theory of a run cannot answer for, refused by name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from cosim.base.errors import InputError
+from cosim.scenario import Channel, Kind, Scenario, ScenarioComponent
+
+_WORD = {
+    Kind.PYTHON: "is written in Python and does not declare its state",
+    Kind.DEVICE: "is a device, whose state nobody knows",
+    Kind.PLAYBACK: "is played back, so that nothing acts on it",
+}
+
+
+def refuse_what_has_no_theory(scenario: Scenario) -> None:
+    """Refuse parts whose state cannot be moved, and those that switch.
+
+    Raises:
+        InputError: by name and place.
+    """
+    read = {link.source.component for link in scenario.connections}
+    for name, part in scenario.components.items():
+        place = scenario.locate(("components", name))
+        if part.kind in _WORD and name in read:
+            raise InputError(
+                f"{name} {_WORD[part.kind]}, and other parts depend on it: the theory of a run "
+                "needs bundled models in the loop.",
+                place,
+            )
+        if part.is_bundled:
+            _refuse_deadband(scenario, part)
+            _refuse_passivity(scenario, part)
+
+
+def _refuse_deadband(scenario: Scenario, part: ScenarioComponent) -> None:
+    band = part.parameters.get("deadband")
+    if isinstance(band, int | float) and band > 0.0:
+        raise InputError(
+            f"{part.name} has a deadband: within it nothing is sent, so that the loop has no "
+            f"derivative. Ask without it: --set components.{part.name}.parameters.deadband=0.",
+            scenario.locate(("components", part.name, "parameters", "deadband")),
+        )
+
+
+def _refuse_passivity(scenario: Scenario, part: ScenarioComponent) -> None:
+    if part.parameters.get("passivity") in {"time_domain", 1}:
+        raise InputError(
+            f"{part.name} has a passivity controller, which acts where energy has run out: the "
+            "loop is one of two, and which one depends on its past. Ask without it: "
+            f"--set components.{part.name}.parameters.passivity=none.",
+            scenario.locate(("components", part.name, "parameters", "passivity")),
+        )
+
+
+def chances(scenario: Scenario) -> dict[str, tuple[str, ...]]:
+    """What the channels that are in use do by chance, as ``channel.direction``."""
+    used = {link.via for link in scenario.connections if link.via is not None}
+    found: dict[str, tuple[str, ...]] = {}
+    for name in sorted(used):
+        channel = scenario.channels[name]
+        for way, direction in (("forward", channel.forward), ("backward", channel.backward)):
+            if direction.impairments:
+                found[f"{name}.{way}"] = tuple(direction.impairments)
+    return found
+
+
+def without_chance(scenario: Scenario) -> Scenario:
+    """The scenario whose packets all arrive after their fixed delay."""
+    if not chances(scenario):
+        return scenario
+
+    def steady(channel: Channel) -> Channel:
+        return replace(
+            channel,
+            forward=replace(channel.forward, impairments={}),
+            backward=replace(channel.backward, impairments={}),
+        )
+
+    channels = {name: steady(channel) for name, channel in scenario.channels.items()}
+    return replace(scenario, channels=channels)

@@ -1,0 +1,277 @@
+"""One hyperperiod of a run as a function of its state: Φ, from the numbers before to those after.
+
+The state is the live numbers of every FMU, what the channels hold, and what is in flight. Inputs,
+outputs and all other cells are computed anew at the hyperperiod's first tick, where everything is
+due, so that they are no state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.analysis.monodromy.saved_fmu import SavedFmu
+from cosim.base.errors import InputError
+from cosim.master.assembly.wiring import Signal
+from cosim.master.run.simulation import Simulation
+
+Real = NDArray[np.float64]
+
+LOST = -1
+SIGNAL_STEP = 1e-5
+"""How far what is held or in flight is moved (SI), unless everything is linear."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """One number of the state: whose it is, what it is called, its unit and its step (SI)."""
+
+    owner: str
+    name: str
+    unit: str
+    step: float
+
+    def __str__(self) -> str:
+        return f"{self.owner}.{self.name}"
+
+
+class DiscreteChangeError(Exception):
+    """A mode, count or undeclared word came out differently because numbers were moved."""
+
+
+class _Bundle:
+    """What one bundle holds and what of it is in flight, at the start of the hyperperiod."""
+
+    def __init__(self, simulation: Simulation, number: int) -> None:
+        self.number = number
+        self._program = simulation.program
+        self.bundle = simulation.assembly.wiring.bundles[number]
+        layout = simulation.assembly.layout
+        real = [index for index, entry in enumerate(self.bundle.entries) if entry.is_float]
+        self.real = np.array(real, dtype=np.int64)
+        whole = [index for index, entry in enumerate(self.bundle.entries) if not entry.is_float]
+        self.whole = np.array(whole, dtype=np.int64)
+        self.held = layout.held[number] + self.real
+        self.held_whole = layout.held[number] + self.whole
+        self.restart()
+
+    def restart(self) -> None:
+        self.values, self.arrays = self._program.packets.save(self.number)
+
+    @property
+    def flying(self) -> int:
+        return int(self.values["in_flight"])
+
+    def numbers(self) -> Real:
+        """What is held and in flight now, numbers only: held first, then packet by packet."""
+        cells = self._program.cells[self.held].view(np.float64)
+        payload = self._payload()[:, self.real].view(np.float64)
+        return np.concatenate([cells, payload.reshape(-1)])
+
+    def whole_words(self) -> NDArray[np.int64]:
+        """The rest of it, and where every packet is on its way."""
+        cells = self._program.cells[self.held_whole]
+        return np.concatenate([cells, self._payload()[:, self.whole].reshape(-1)])
+
+    def put(self, numbers: Real, fate: int | None) -> None:
+        """Be as at the start, with these numbers; ``fate`` LOST loses what is due this period."""
+        packets, struct = self._program.packets, self._program.packets.structs[self.number]
+        arrays = {name: array.copy() for name, array in self.arrays.items()}
+        split = self.real.size
+        self._program.cells[self.held] = numbers[:split].view(np.int64)
+        arrays["payload"][:, self.real] = numbers[split:].reshape(-1, split).view(np.int64)
+        values = dict(self.values)
+        struct.delay = self.bundle.fates.direction.delay.ticks
+        if fate == LOST and struct.delay == 0:
+            struct.delay = LOST
+        elif fate == LOST:
+            first = int(self._program.kernel.tick)
+            kept = arrays["flight"][0] >= first + self.bundle.period
+            arrays["flight"], arrays["payload"] = arrays["flight"][:, kept], arrays["payload"][kept]
+            values["in_flight"] = int(np.count_nonzero(kept))
+            arrivals = arrays["flight"][0]
+            values["next_arrival"] = int(arrivals.min()) if arrivals.size else 2**63 - 1
+        packets.load(self.number, values, arrays)
+
+    def _payload(self) -> NDArray[np.int64]:
+        saved, arrays = self._program.packets.save(self.number)
+        del saved
+        return arrays["payload"]
+
+
+class RunMap:
+    """Φ of a run that stands at a multiple of its hyperperiod.
+
+    Args:
+        simulation: started, without randomness in its channels, at such a tick above 0.
+
+    Raises:
+        InputError: a component does not declare its state, or something else has no derivative.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        self.program = simulation.program
+        self.hyperperiod = int(self.program.kernel.hyperperiod)
+        self.fmus: dict[str, SavedFmu] = {}
+        for name, fmu in simulation.fmus.items():
+            self.fmus[name] = _saved(simulation, name, fmu)
+        self.is_linear = all(each.declared.is_linear for each in self.fmus.values())
+        self.bundles = [
+            _Bundle(simulation, number) for number in range(len(simulation.assembly.wiring.bundles))
+        ]
+        self.restart()
+        if not any(each.declared.live for each in self.fmus.values()):
+            raise InputError(
+                "The scenario has nothing that moves: its parts follow time alone.",
+                simulation.scenario.locate(("components",)),
+            )
+
+    def restart(self) -> None:
+        """Take where the run stands now as the start."""
+        kernel = self.program.kernel
+        self.tick, self.phase = int(kernel.tick), int(kernel.phase)
+        self.cells = self.program.cells.copy()
+        for each in self.fmus.values():
+            each.restart()
+        for bundle in self.bundles:
+            bundle.restart()
+        self.coordinates = self._coordinates()
+        self.start = np.concatenate(
+            [
+                *(each.values for each in self.fmus.values()),
+                *(bundle.numbers() for bundle in self.bundles),
+                np.zeros(0),
+            ]
+        )
+        self.steps = np.array([each.step for each in self.coordinates])
+
+    @property
+    def size(self) -> int:
+        """How many numbers there are."""
+        return len(self.coordinates)
+
+    @property
+    def seconds(self) -> float:
+        """One hyperperiod (s)."""
+        return float(self.hyperperiod / self.simulation.scenario.base_rate)
+
+    def undisturbed(
+        self, state: Real | None = None, fates: Mapping[int, int] | None = None
+    ) -> Real:
+        """Φ from a state (the start unless given); how it ends is what others are held against."""
+        self._put(self.start if state is None else state, fates)
+        self._advance()
+        numbers = [each.note_end() for each in self.fmus.values()]
+        self._whole = [bundle.whole_words() for bundle in self.bundles]
+        return np.concatenate([*numbers, *(b.numbers() for b in self.bundles), np.zeros(0)])
+
+    def __call__(self, state: Real, fates: Mapping[int, int] | None = None) -> Real:
+        """Φ from a state near the undisturbed one.
+
+        Raises:
+            DiscreteChangeError: something else than numbers came out differently.
+        """
+        self._put(state, fates)
+        self._advance()
+        numbers: list[Real] = []
+        for name, each in self.fmus.items():
+            found, differs = each.read()
+            if differs is not None:
+                raise DiscreteChangeError(f"{name}: {differs}")
+            numbers.append(found)
+        for bundle, whole in zip(self.bundles, self._whole, strict=True):
+            if not np.array_equal(bundle.whole_words(), whole):
+                raise DiscreteChangeError(f"what {bundle.bundle.name} carries")
+            numbers.append(bundle.numbers())
+        return np.concatenate([*numbers, np.zeros(0)])
+
+    def numbers(self) -> Real:
+        """The numbers that the run has now, at the end of a hyperperiod."""
+        found = [each.read()[0] for each in self.fmus.values()]
+        return np.concatenate([*found, *(b.numbers() for b in self.bundles), np.zeros(0)])
+
+    def move(self, state: Real) -> None:
+        """Take another state as the start, at the same tick."""
+        self._put(state, None)
+        self.restart()
+
+    def adopt(self, other: RunMap) -> None:
+        """Stand where another run of the same plan does, whose parameters are others."""
+        kernel = self.program.kernel
+        kernel.tick, kernel.phase = other.tick, other.phase
+        self.program.cells[:] = other.cells
+        for name, each in self.fmus.items():
+            each.adopt(other.fmus[name])
+        for bundle, theirs in zip(self.bundles, other.bundles, strict=True):
+            self.program.packets.load(bundle.number, theirs.values, theirs.arrays)
+        self.restart()
+
+    def output(self, component: str, variable: str) -> float:
+        """An output at the state that the run stands in now."""
+        saved = self.fmus[component]
+        words = np.frombuffer(saved.fmu.save_state(), dtype=np.int64)
+        return saved.declared.value(words, variable)
+
+    def put(self, state: Real) -> None:
+        """Stand at the start with this state."""
+        self._put(state, None)
+
+    def _put(self, state: Real, fates: Mapping[int, int] | None) -> None:
+        kernel = self.program.kernel
+        kernel.tick, kernel.phase = self.tick, self.phase
+        self.program.cells[:] = self.cells
+        first = 0
+        for each in self.fmus.values():
+            last = first + each.start.size
+            each.put(state[first:last])
+            first = last
+        for bundle in self.bundles:
+            last = first + bundle.real.size * (1 + bundle.flying)
+            bundle.put(state[first:last], (fates or {}).get(bundle.number))
+            first = last
+
+    def _advance(self) -> None:
+        self.simulation.advance(self.tick + self.hyperperiod)
+
+    def _coordinates(self) -> list[Coordinate]:
+        found: list[Coordinate] = []
+        for name, each in self.fmus.items():
+            found += [Coordinate(name, one.path, one.unit, one.step) for one in each.declared.live]
+        parts = self.simulation.assembly.parts
+        step = 1.0 if self.is_linear else SIGNAL_STEP
+        for bundle in self.bundles:
+            entries = [bundle.bundle.entries[index].source for index in map(int, bundle.real)]
+            places = [
+                "held",
+                *(f"packet {number + 1} in flight" for number in range(bundle.flying)),
+            ]
+            for place in places:
+                for source in entries:
+                    assert isinstance(source, Signal)
+                    variable = parts[source.component].interface.variables[source.variable]
+                    name = f"{source.component}.{source.variable}[{source.index + 1}], {place}"
+                    found.append(Coordinate(bundle.bundle.name, name, variable.unit or "", step))
+        return found
+
+
+def _saved(simulation: Simulation, name: str, fmu: Any) -> SavedFmu:
+    place = simulation.scenario.locate(("components", name))
+    if not fmu.description.saves_state:
+        raise InputError(
+            f"The theory of a run moves the state of its parts, and the FMU of {name} does not "
+            "give its own away.",
+            place,
+        )
+    try:
+        return SavedFmu(fmu)
+    except LookupError as error:
+        raise InputError(
+            f"The theory of a run moves the state of its parts, and cannot for {name}: {error}. "
+            "Put a bundled model in its place, or measure the run instead.",
+            place,
+        ) from None

@@ -1,0 +1,146 @@
+"""Whatever is changed in a scenario, the theory answers for that run, or refuses by name.
+
+A run obeys the characteristic polynomial of its own map and of no other (Cayley and Hamilton): the
+recorded motion is held against the map's eigenvalues, and against those of the scenario before it
+was changed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cosim.analysis.answers.asked import ask
+from cosim.base.errors import InputError
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import assemble
+from cosim.scenario.load import read
+
+NAMES = ("single_user", "single_axis_centralized", "single_axis_distributed")
+KICKS = {
+    "hand_1": (0.011, 0.13),
+    "hand_2": (-0.004, -0.21),
+    "object": (0.002, 0.05),
+    "object_1": (0.002, 0.05),
+    "object_2": (-0.001, 0.02),
+}
+BODIES = {
+    "single_user": ("hand_1", "object"),
+    "single_axis_centralized": ("hand_1", "object", "hand_2"),
+    "single_axis_distributed": ("hand_1", "object_1", "object_2", "hand_2"),
+}
+COUPLER = {
+    "single_user": "coupler_1",
+    "single_axis_centralized": "coupler_1",
+    "single_axis_distributed": "coupler_11",
+}
+
+
+def mutations(generator: np.random.Generator, name: str) -> list[str]:
+    """One to three changes, of those that the closed forms do not or did not know."""
+    body, coupler = BODIES[name][1], COUPLER[name]
+    wires = read(name).built().connections
+    inner = [n for n, wire in enumerate(wires) if wire.via is None and wire.source.path != "value"]
+
+    def wire(more: str) -> str:
+        number = int(generator.choice(inner))
+        return f"connections.{number}={wires[number].source} -> {wires[number].target} {more}"
+
+    choices = [
+        lambda: f"components.{body}.parameters.wall_stiffness={10 ** generator.uniform(2, 6)}",
+        lambda: f"components.{body}.parameters.mass={generator.uniform(0.1, 2)}",
+        lambda: f"components.{coupler}.parameters.stiffness={10 ** generator.uniform(1, 4)}",
+        lambda: f"components.{coupler}.parameters.damping={generator.uniform(1, 15)}",
+        lambda: (
+            f"components.{coupler}.parameters.computation_delay_ticks={generator.integers(1, 4)}"
+        ),
+        lambda: wire(f"delay {generator.integers(1, 5)} ticks"),
+        lambda: wire("at 512 Hz"),
+        lambda: wire("at 64 Hz"),
+        lambda: "base_rate=2048 Hz",
+        lambda: f"components.{body}.rate=512 Hz",
+        lambda: f"components.{coupler}.rate=512 Hz",
+    ]
+    if name != "single_user":
+        choices += [
+            lambda: "rates.network=64 Hz",
+            lambda: "rates.network=256 Hz",
+            lambda: f"channels.lan.round_trip_delay={generator.integers(0, 6)}",
+            lambda: (
+                "channels.lan={between: [station_1, station_2], rate: network, delay: "
+                f"{{forward: {generator.integers(0, 21)} ticks, backward: 3 ticks}}}}"
+            ),
+        ]
+    count = int(generator.integers(1, 4))
+    picked = generator.choice(len(choices), size=count, replace=False)
+    return [choices[int(number)]() for number in picked]
+
+
+def still(name: str) -> list[str]:
+    sets = [] if name == "single_user" else ["components.step_1.parameters.amplitude=0"]
+    for body in BODIES[name]:
+        position, velocity = KICKS[body]
+        sets.append(f"components.{body}.parameters.initial_position={position}")
+        sets.append(f"components.{body}.parameters.initial_velocity={velocity}")
+    return sets
+
+
+def motion(name: str, sets: list[str], every: int, rows: int) -> np.ndarray:
+    """Velocities of a free run at the starts of its hyperperiods, shape (rows, bodies)."""
+    sink = MemorySink()
+    rate = 2048 if any("base_rate=2048" in text for text in sets) else 1024
+    length = f"duration={(rows + 2) * every / rate} s"
+    record = f"record=[{', '.join(f'{body}.velocity' for body in BODIES[name])}]"
+    with assemble(read(name, (), [*still(name), *sets, length, record]).built()) as simulation:
+        simulation.run(sink)
+    columns = []
+    for body in BODIES[name]:
+        signal = sink.signal(f"{body}.velocity")
+        slower = 512 if any(f"components.{body}.rate=512" in text for text in sets) else 1024
+        columns.append(signal[:: every * slower // rate][:rows])
+    return np.column_stack(columns)
+
+
+def disobeys(values: np.ndarray, seen: np.ndarray) -> float:
+    """How far a motion is from obeying the recurrence that eigenvalues make."""
+    coefficients = np.real(np.poly(values))
+    order = coefficients.size - 1
+    worst = 0.0
+    for column in seen.T:
+        windows = np.lib.stride_tricks.sliding_window_view(column, order + 1)[:, ::-1]
+        size = np.abs(windows) @ np.abs(coefficients)
+        worst = max(worst, float(np.max(np.abs(windows @ coefficients) / np.maximum(size, 1e-30))))
+    return worst
+
+
+def spectrum(name: str, sets: list[str]) -> tuple[np.ndarray, int]:
+    with ask(read(name, (), [*still(name), *sets])) as asked:
+        point = asked.point()
+        values = np.linalg.eigvals(point.matrix)
+        return values[np.abs(values) > 1e-3], point.run.hyperperiod
+
+
+@pytest.mark.parametrize("batch", range(20))
+def test_a_mutated_run_obeys_the_polynomial_of_its_own_map(batch: int) -> None:
+    generator = np.random.default_rng(100 + batch)
+    refused = 0
+    for number in range(10):
+        name = NAMES[(batch + number) % 3]
+        sets = mutations(generator, name)
+        try:
+            values, every = spectrum(name, sets)
+        except InputError:  # by name, which is an answer as well
+            refused += 1
+            continue
+        before, every_before = spectrum(name, [])
+        # What the start left in flight and dies at once is over after a few hyperperiods.
+        rows = motion(name, sets, every, values.size + 30)[8:]
+        growth = float(np.max(np.abs(values)))
+        if growth > 3.0:
+            rows = rows[: values.size + 6]
+        own = disobeys(values, rows)
+        assert own < 1e-7, (name, sets, own)
+        changed = values.size != before.size or not np.allclose(np.poly(values), np.poly(before))
+        if every == every_before and changed:
+            assert disobeys(before, rows) > 10 * own, (name, sets)
+    assert refused <= 2
