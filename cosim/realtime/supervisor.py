@@ -14,6 +14,7 @@ import select
 import signal
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from cosim.base.system.grants import SUPERVISOR_PRIORITY, freeze_garbage, real_time_priority
 from cosim.base.system.pulse import FINISHED, RUNNING, Pulse, Who
@@ -32,7 +33,9 @@ not run."""
 ENDING_SECONDS = 5.0
 """How long a loop may take to end after it was asked to, or has said so."""
 COMMAND_STOPPED_SECONDS = 2.0
-"""A command that does not go on for so long is stopped, and nobody records or watches."""
+"""A command that does not go on for so long because it is stopped: nobody records or watches."""
+COMMAND_SLOW_SECONDS = 60.0
+"""One that is not stopped may wait for its disk for so long; rows are lost then, and counted."""
 BROKEN = 70
 """Exit status of a loop that ended in an exception nobody turned into a sentence."""
 
@@ -101,6 +104,7 @@ class _Watch:
         self._poll = select.poll()
         if command is not None:
             self._poll.register(command, select.POLLIN)
+        self._command = os.getppid()
         self._command_beats: int = 0
         self._heard: int = 0
         self._command_since = self._since = 0.0
@@ -132,8 +136,11 @@ class _Watch:
         beats = self._pulse.beats(Who.COMMAND)
         if beats != self._command_beats:
             self._command_beats, self._command_since = beats, now
-        stopped = beats > 0 and now - self._command_since > COMMAND_STOPPED_SECONDS
-        return pending() or stopped or bool(self._poll.poll(0))
+        still = now - self._command_since if beats > 0 else 0.0
+        gone = still > COMMAND_SLOW_SECONDS or (
+            still > COMMAND_STOPPED_SECONDS and _is_stopped(self._command)
+        )
+        return pending() or gone or bool(self._poll.poll(0))
 
     def _reason_to_kill(self, now: float) -> str | None:
         pulse, state = self._pulse, self._pulse.loop_state
@@ -146,6 +153,18 @@ class _Watch:
         elif self._stall is not None and now - self._since > self._stall:
             return f"the control loop stood still for {self._stall * 1e3:.0f} ms"
         return None
+
+
+def _is_stopped(process: int) -> bool:
+    """Whether a process is stopped rather than waiting for something (proc(5)).
+
+    Where the system does not say, it is.
+    """
+    try:
+        text = Path(f"/proc/{process}/stat").read_text("ascii", errors="replace")
+    except OSError:
+        return True
+    return text.rpartition(")")[2].split()[0] in {"T", "t"}
 
 
 def _kill(process: int, reason: str) -> tuple[int, str]:

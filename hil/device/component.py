@@ -151,6 +151,7 @@ class DeviceComponent(Component):
         device.configure()
         try:
             device.permission = session.permission(device)
+            session.keep_awake(device)
             for warning in warnings_of(device):
                 session.tell(warning)
             session.hold_home_pose(device)
@@ -218,6 +219,7 @@ class DeviceComponent(Component):
         if self._owner == os.getpid():
             self.device.close()
             self.device = None
+            sessions.current().wakefulness.let_go()
         else:
             self.device.settle_down()
 

@@ -15,6 +15,7 @@ from typing import Any, Self, final
 
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
+from cosim.base.system.sleep import SleepWatch
 from cosim.base.system.supervised import DeviceCells
 from hil.device.alarm import Alarm
 from hil.device.contract import ZERO, Flag, Measurement, Sent, State, Status, Watchdog, WriteOutcome
@@ -89,6 +90,7 @@ class Device:
         self._judge = Judge()
         self._samples = SampleClock(file, oldest=self.safety.ticks.drop)
         self._clock = clock
+        self._sleep = SleepWatch()
         self._reads = 0
         self._zeros = 0
         """Answers so far that confirmed zero."""
@@ -210,6 +212,9 @@ class Device:
         if self._clock is not None:
             if pulse is not None and pulse.supervisor_silent():
                 return Trip(Cause.SUPERVISOR, "the supervisor process stands still")
+            slept = self._sleep.slept()
+            if slept:
+                return Trip(Cause.SLEPT, f"this machine was asleep for {slept:.1f} s")
             now = self._clock()
             late = 0.0 if self._written is None else now - self._written - self.tick
             self._written = now

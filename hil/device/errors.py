@@ -25,6 +25,7 @@ class Cause(StrEnum):
     SUPERVISOR = "supervisor"
     SIBLING = "another device"
     DEAD_MAN = "dead man"
+    SLEPT = "slept"
 
     @property
     def unhomes(self) -> bool:
@@ -36,6 +37,7 @@ class Cause(StrEnum):
             Cause.PROTOCOL,
             Cause.RESTARTED,
             Cause.STALE,
+            Cause.SLEPT,
         }
 
     @property

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from cosim.base.system.sleep import Wakefulness
 from hil.device.alarm import Alarm
 from hil.device.errors import ActivationRefused
 from hil.device.warnings import warnings_of
@@ -35,6 +36,8 @@ class Session:
     say: Callable[[str], None] | None = None
     alarm: Alarm = field(default_factory=Alarm)
     """What the run's devices share."""
+    wakefulness: Wakefulness = field(default_factory=Wakefulness)
+    """What keeps the machine awake while devices may push."""
     asked: dict[str, Permission | None] = field(default_factory=dict[str, "Permission | None"])
     """By device: what people said before it was opened, where nobody can be asked then."""
 
@@ -71,6 +74,24 @@ class Session:
                 "then held; let go of it first, and look whether it is jammed"
             )
         return dead_man(device.name, held, given)
+
+    def keep_awake(self, device: Device) -> None:
+        """Keep the machine awake for a device that may push.
+
+        Raises:
+            ActivationRefused: it may fall asleep, and nothing would switch off the motors then.
+        """
+        permission = device.permission
+        if permission is None or device.in_process:
+            return
+        refused = self.wakefulness.keep()
+        if refused is None or device.watchdog.protects or permission.how.startswith("emulator"):
+            return
+        raise ActivationRefused(
+            f"{device.name} has no watchdog, and this machine may fall asleep while it pushes "
+            f"({refused}): switch its sleep off ('systemctl mask sleep.target suspend.target'), or "
+            "start the command as somebody whom it grants to keep it awake"
+        )
 
     def tell(self, text: str) -> None:
         """Show a sentence where there is somebody to show it to."""

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.cli.support.shown import shown
+
 if TYPE_CHECKING:
     from cosim.realtime.live import Feed
     from cosim.realtime.watcher import Watcher
@@ -37,10 +39,11 @@ class Console:
         status = self._watcher.status()
         if status is not None:
             width = shutil.get_terminal_size().columns - 1
-            click.echo(f"\r{status.line()[:width]:{width}}", err=True, nl=False)
+            shown.show(f"\r{status.line()[:width]:{width}}")
 
     def end(self) -> None:
         """The run is over: what comes next begins on a line of its own."""
+        shown.finish()
         if self._watcher is not None:
             click.echo("", err=True)
 
@@ -53,3 +56,5 @@ def ended(console: Console | None) -> Generator[None]:
     finally:
         if console is not None:
             console.end()
+        else:
+            shown.finish()

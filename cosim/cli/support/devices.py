@@ -11,6 +11,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.effect import given_of, refuse_without
+from cosim.cli.support.shown import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -142,7 +143,7 @@ def person_or_emulator(device: Device, *, yes: bool) -> Callable[[str], str] | N
 
 def say(sentence: str) -> None:
     """Show a sentence beside the command's output."""
-    click.echo(sentence, err=True)
+    shown.say(sentence)
 
 
 def ask_person(text: str) -> str:
@@ -156,9 +157,9 @@ def ask_person(text: str) -> str:
 
     from cosim.base.errors import InputError
 
-    terminal = sys.stdin.fileno()
-    if os.tcgetpgrp(terminal) != os.getpgrp():
+    descriptor = sys.stdin.fileno()
+    if os.tcgetpgrp(descriptor) != os.getpgrp():
         raise InputError("a question has to be answered, and this runs in the background: use 'fg'")
-    termios.tcflush(terminal, termios.TCIFLUSH)
+    termios.tcflush(descriptor, termios.TCIFLUSH)
     click.echo(text, err=True, nl=False)
     return sys.stdin.readline()

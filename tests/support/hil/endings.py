@@ -100,6 +100,8 @@ class Run:
     board: str
     ahead: str = ""
     """What is typed before anything is asked."""
+    first: str = ""
+    """What the command's process does before it begins (Python)."""
     said: str = ""
     motors: subprocess.Popen = field(init=False)
     command: subprocess.Popen = field(init=False)
@@ -131,7 +133,8 @@ class Run:
         self.terminal, theirs = os.openpty()
         self.command = subprocess.Popen(
             [
-                *(sys.executable, "-c", "from cosim.cli import cli; cli()", "run", str(scenario)),
+                *(sys.executable, "-c", f"{self.first}\nfrom cosim.cli import cli; cli()"),
+                *("run", str(scenario)),
                 *("--realtime", "--enable-output", "--no-figure"),
                 *("--out", str(self.folder / "out")),
             ],
