@@ -13,6 +13,7 @@ from cosim.base.errors import CohapticError
 from cosim.base.system.grants import prepare_loop
 from cosim.base.system.pulse import FINISHED, RUNNING, Pulse
 from cosim.base.system.supervised import Supervised
+from cosim.master.run.obituary import COMPLETE
 from cosim.master.run.simulation import Simulation
 from cosim.realtime.deadlines import Deadlines
 from cosim.realtime.live import STATUS_TICKS, Feed, StatusWriter
@@ -99,6 +100,9 @@ class ControlLoop:
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
         self._simulation.close()  # an FMU that dies of it finds everything told
+        if self._simulation.died and report.error is None:
+            status, report.error = 1, (1, f"{self._simulation.died}; {COMPLETE}")
+            self._tell(report)
         self._tell(Over())
         return status
 

@@ -67,6 +67,8 @@ def _component(part: ScenarioComponent) -> dict[str, Any]:
         written |= {"substeps": part.substeps, "feedthrough": part.feedthrough}
         if part.is_strict:
             written["validate"] = "strict"
+        if part.is_isolated:
+            written["isolate"] = "process"
     if part.parameters:
         written["parameters"] = _plain(part.parameters)
     if part.start:

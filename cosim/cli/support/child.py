@@ -232,6 +232,9 @@ class _Post:
 def _judge(told: _Told, status: int, whereabouts: Whereabouts, scenario: Scenario) -> Finished:
     content = told.content
     if "error" in content:
+        if "finished" in content:  # an isolated FMU whose process died when it was closed
+            sentence = f"{content['error']}; {COMPLETE}."
+            return _finish_for(content["begun"], scenario, sentence, whereabouts.kernel.tick)
         raise content["error"]
     if "interrupted" in content:
         raise KeyboardInterrupt

@@ -17,6 +17,7 @@ from cosim.master.assembly.plan import Part, Plan, Planner
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.wiring import Signal, Wiring
+from cosim.master.components.isolation import isolate
 from cosim.master.components.participants import (
     Factory,
     Participant,
@@ -62,6 +63,7 @@ def put_together(
     problems = Problems(scenario.root)
     clock = Clock(scenario.base_rate)
     participants = read_participants(scenario, clock, problems, instances, kinds)
+    isolated = isolate(participants, scenario)
     scenario = with_files(scenario, participants)
     of_rates = follow_rates(scenario, participants, problems)
     interfaces = {name: each.interface for name, each in participants.items()}
@@ -100,6 +102,7 @@ def put_together(
                 *of_rates,
                 *differing_copies(scenario, participants),
                 *notes_of(participants),
+                *isolated,
             ),
         )
     problems.raise_if_any()

@@ -42,6 +42,8 @@ class Participant:
     """What was asked for its variables; a run takes its own from ``supply``."""
     supply: Supply | None = None
     methods: frozenset[str] = field(default_factory=frozenset[str])
+    is_isolated: bool = False
+    """fmu: whether it gets a process of its own."""
     notes: tuple[str, ...] = ()
     """What is worth telling of it."""
 
@@ -99,7 +101,6 @@ def read_participants(
             )
             clock.check_exact(scenario.ticks, participant.substeps, name)
             found[name] = participant
-    _refuse_shared_libraries(found, problems)
     return found
 
 
@@ -306,17 +307,3 @@ def _python_values(
         with problems.at(("components", written.name, "start", name)):
             start |= resolve_values(written.name, interface.variables, name, value, STARTABLE)
     return parameters, start
-
-
-def _refuse_shared_libraries(found: Mapping[str, Participant], problems: Problems) -> None:
-    users: dict[str, str] = {}
-    for name, participant in found.items():
-        if participant.fmu is None or not participant.fmu.once_per_process:
-            continue
-        with problems.at(("components", name)):
-            other = users.setdefault(participant.fmu.sha256, name)
-            if other != name:
-                raise InputError(
-                    f"{name} and {other} use {participant.fmu.path.name}, which can be "
-                    "instantiated only once in a process"
-                )

@@ -11,6 +11,7 @@ from typing import Any
 from cosim.base.component import Causality, VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.master.assembly.clock import Clock
+from cosim.master.components.interface import size_of
 from cosim.master.fmu.binding import (
     FATAL,
     OK,
@@ -22,6 +23,8 @@ from cosim.master.fmu.binding import (
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
+from cosim.master.fmu.isolation.exchange import Room
+from cosim.master.fmu.isolation.isolated import GONE, Isolated
 from cosim.master.fmu.library import give_back, take_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
 from cosim.scenario.build.timebase import hertz
@@ -46,6 +49,7 @@ class Fmu:
         *,
         substeps: int,
         is_trusted: bool = False,
+        is_isolated: bool = False,
         calling: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.component = component
@@ -54,6 +58,9 @@ class Fmu:
         self.substeps = substeps
         self.is_trusted = is_trusted
         """Ours: a reset is known to leave nothing of a run, and no call to change the process."""
+        self.is_isolated = is_isolated
+        """Whether it lives in a process of its own."""
+        self._process: Isolated | None = None
         self._log = Log()
         self._changed: Counter[str] = Counter()
         self._binding: Binding | None = None
@@ -112,17 +119,14 @@ class Fmu:
         """
         self._packed.clear()
         description = self.description
-        bound = Fmi2 if self.version == 2 else Fmi3
         self._calling("the loading of its library")
         try:
-            library = take_library(self.library, self.version, renew=not self.is_trusted)
+            self._binding = self._apart() if self.is_isolated else self._here()
         except InputError as error:
             raise InputError(
                 f"{self.component}: {description.path.name}: {error.message}"
             ) from None
         categories = _error_categories(description.log_categories)
-        self._log.open()
-        self._binding = bound(library, self._log.address, self._calling)
         if not self._binding.instantiate(
             self.component,
             description.token,
@@ -135,6 +139,24 @@ class Fmu:
             )
         if categories and self._binding.choose_log_categories(categories) == FATAL:
             self._check("choose what is logged", FATAL)  # any other refusal leaves it less to say
+
+    def _here(self) -> Binding:
+        library = take_library(self.library, self.version, renew=not self.is_trusted)
+        self._log.open()
+        bound = Fmi2 if self.version == 2 else Fmi3
+        return bound(library, self._log.address, self._calling)
+
+    def _apart(self) -> Binding:
+        variables = self.description.variables.values()
+        room = Room(len(variables), sum(size_of(variable) for variable in variables))
+        self._process = Isolated(self.library, self.version, room, self._calling)
+        self._log = self._process.log
+        self._process.load()
+        return self._process
+
+    def manner_of_ending(self) -> str:
+        """How the process that it has for itself has ended."""
+        return "ended" if self._process is None else self._process.manner()
 
     def renew(self, *, failed: bool) -> None:
         """Be as after ``instantiate`` again, for another run; ``failed`` as for ``close``.
@@ -280,7 +302,7 @@ class Fmu:
 
     def judge(self, status: int) -> None:
         """Take note of what a call returned that was not well."""
-        self.is_lost = self.is_lost or status == FATAL
+        self.is_lost = self.is_lost or status in {FATAL, GONE}
 
     def close(self, *, failed: bool = False) -> None:
         """Terminate and free; nothing at all after a fatal status (FMI 2.0.4 section 2.1.3).
@@ -289,14 +311,18 @@ class Fmu:
         library, so only freeing is allowed.
         """
         binding, self._binding = self._binding, None
-        if binding is None:
-            return
-        if binding.handle and not self.is_lost:
-            if self._initialised and not failed:
-                binding.terminate()  # whatever it returns: closing must reach every component
-            binding.free()
-        give_back(self.library, self.version, lost=self.is_lost)
-        self._log.close()
+        process, self._process = self._process, None
+        try:
+            if binding is not None and binding.handle and not self.is_lost:
+                if self._initialised and not failed:
+                    binding.terminate()  # whatever it returns: closing must reach every component
+                binding.free()
+        finally:
+            if process is not None:
+                process.end()
+            elif binding is not None:
+                give_back(self.library, self.version, lost=self.is_lost)
+                self._log.close()
 
     @property
     def _bound(self) -> Binding:

@@ -37,12 +37,14 @@ class Log:
     ``open`` before the FMU knows of it, ``close`` when it is gone.
     """
 
-    def __init__(self) -> None:
-        self._text = ctypes.create_string_buffer(_BYTES)
-        self._grave = ctypes.create_string_buffer(_BYTES)
-        self._struct = LogStruct(
-            ctypes.addressof(self._text), ctypes.addressof(self._grave), _BYTES, 0, 0, 0, None
-        )
+    def __init__(self, memory: memoryview | None = None) -> None:
+        """In ``memory`` where another process writes or reads it, too."""
+        size = ctypes.sizeof(LogStruct) + 2 * _BYTES
+        room = bytearray(size) if memory is None else memory
+        self._struct = LogStruct.from_buffer(room)
+        begin = ctypes.sizeof(LogStruct)
+        self._text = (ctypes.c_char * _BYTES).from_buffer(room, begin)
+        self._grave = (ctypes.c_char * _BYTES).from_buffer(room, begin + _BYTES)
         self._close: Callable[[], object] = lambda: None
 
     @property
@@ -52,6 +54,9 @@ class Log:
 
     def open(self) -> None:
         """Take messages."""
+        self._struct.text = ctypes.addressof(self._text)
+        self._struct.grave = ctypes.addressof(self._grave)
+        self._struct.capacity = _BYTES
         library().kernel_log_open(self.address)
         # A log that nobody has any more must not be written.
         closing = finalize(self, library().kernel_log_close, self.address)
@@ -72,7 +77,10 @@ class Log:
         Errors; where there are none, warnings; then the last of the chatter. What came with another
         environment is anybody's and counts where the FMU itself said nothing.
         """
-        return _reasons(self._struct) or _reasons(library().kernel_log_stray().contents)
+        stray = library().kernel_log_stray().contents
+        return _reasons(*self._what_was_said()) or _reasons(
+            _lines(stray.text, stray.used), _lines(stray.grave, stray.grave_used)
+        )
 
     def said(self) -> tuple[Said, ...]:
         """All that was not well among the last that was said, each text once."""
@@ -80,20 +88,26 @@ class Log:
             return ()
         return tuple(
             Said(STATUS_NAMES[status] if status < len(STATUS_NAMES) else str(status), text, count)
-            for (status, text), count in Counter(_grave(self._struct)).items()
+            for (status, text), count in Counter(_graded(self._what_was_said()[1])).items()
+        )
+
+    def _what_was_said(self) -> tuple[list[str], list[str]]:
+        """The lines that are well, and those that are not: by addresses of this process."""
+        return (
+            _lines(ctypes.addressof(self._text), self._struct.used),
+            _lines(ctypes.addressof(self._grave), self._struct.grave_used),
         )
 
 
-def _reasons(log: LogStruct) -> list[str]:
-    grave = _grave(log)
-    errors = [text for status, text in grave if status >= _SERIOUS]
-    chatter = _lines(log.text, log.used)[-_LAST_LINES:]
-    return list(dict.fromkeys(errors or [text for _, text in grave] or chatter))
+def _reasons(chatter: list[str], grave: list[str]) -> list[str]:
+    graded = _graded(grave)
+    errors = [text for status, text in graded if status >= _SERIOUS]
+    texts = [text for _, text in graded]
+    return list(dict.fromkeys(errors or texts or chatter[-_LAST_LINES:]))
 
 
-def _grave(log: LogStruct) -> list[tuple[int, str]]:
+def _graded(lines: list[str]) -> list[tuple[int, str]]:
     """Status and text; the first may be half a message, without its status."""
-    lines = _lines(log.grave, log.grave_used)
     return [(int(line[0]), line[1:].strip()) for line in lines if line[0].isdigit()]
 
 

@@ -22,6 +22,9 @@ _OURS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD", "SIGPIPE")
 """What ends a run, and what its processes hear of each other."""
 _ACTION_BYTES = 512
 """More than ``struct sigaction`` has anywhere."""
+_MEANT = (slice(0, 16), slice(136, 140))
+"""Of ``struct sigaction`` of Linux: the handler with the signals that it blocks, and the flags. The
+C library leaves what it likes in the rest. On macOS the first is all of it."""
 
 
 class Surroundings:
@@ -48,7 +51,8 @@ class Surroundings:
         if library().kernel_restore_float_mode(self._mode):
             changed.append("the floating point mode")
         for number, action in self._actions.items():
-            if _action(number) != action:
+            now = _action(number)
+            if any(now[part] != action[part] for part in _MEANT):
                 changed.append(f"the handler of {signal.Signals(number).name}")
                 _set_action(number, action)
         if _blocked() != self._blocked:

@@ -2,13 +2,6 @@
 
 #include "kernel.h"
 
-typedef int (*Access2)(void *instance, const uint32_t *references, size_t count, void *values);
-typedef int (*Access3)(void *instance, const uint32_t *references, size_t count, void *values,
-                       size_t value_count);
-typedef int (*Step2)(void *instance, double time, double step, int no_set_state_before);
-typedef int (*Step3)(void *instance, double time, double step, bool no_set_state_before,
-                     bool *event, bool *terminate, bool *early_return, double *last_time);
-
 static int call(const Operation *op, void *instance, void *values)
 {
     size_t references = (size_t)op->reference_count;

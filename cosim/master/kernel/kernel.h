@@ -189,6 +189,49 @@ typedef struct {
     double *reference;    /* the newest accepted values */
 } Admission;
 
+/* What the kernel's process and that of an isolated FMU share; references and values follow it. */
+typedef struct {
+    int64_t asked;    /* requests so far */
+    int64_t answered;
+    int64_t worker_sleeps;
+    int64_t master_sleeps;
+    int64_t request;
+    int64_t status;
+    int64_t most_references; /* room for so many */
+    int64_t most_bytes;      /* of values */
+    int64_t reference_count;
+    int64_t value_count;
+    double time;
+    double step;
+    int64_t event;
+    int64_t terminate;
+    int64_t early_return;
+    double last_time;
+} Exchange;
+
+/* read(2) and write(2) of the process: the kernel has no C library of its own. */
+typedef int64_t (*Transfer)(int file, void *buffer, size_t count);
+
+/* One side of it. */
+typedef struct {
+    Exchange *exchange;
+    void *read;
+    void *write;
+    int64_t ear; /* pipes to sleep on, and to wake the other side with */
+    int64_t mouth;
+    int64_t looks; /* before it sleeps */
+    int64_t version;
+    void *const *functions; /* the FMU's, by request; in its process alone */
+    int64_t is_gone;
+} Isolation;
+
+typedef int (*Access2)(void *instance, const uint32_t *references, size_t count, void *values);
+typedef int (*Access3)(void *instance, const uint32_t *references, size_t count, void *values,
+                       size_t value_count);
+typedef int (*Step2)(void *instance, double time, double step, int no_set_state_before);
+typedef int (*Step3)(void *instance, double time, double step, bool no_set_state_before,
+                     bool *event, bool *terminate, bool *early_return, double *last_time);
+
 Outcome get_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome set_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome do_step(Kernel *kernel, Instance *instance);
@@ -204,6 +247,9 @@ EXPORT int64_t link_admit(const Admission *admission, const double *values, int6
 EXPORT int64_t kernel_float_mode(void);
 EXPORT int64_t kernel_restore_float_mode(int64_t mode);
 EXPORT uint64_t kernel_checksum(const uint64_t *words, int64_t count);
+EXPORT void *kernel_isolated(int64_t version, int64_t type, int64_t is_set);
+EXPORT int32_t kernel_isolated_ask(Isolation *own);
+EXPORT int32_t kernel_isolated_serve(Isolation *own, void *instance);
 EXPORT void kernel_log_open(Log *log);
 EXPORT void kernel_log_close(Log *log);
 EXPORT Log *kernel_log_stray(void);

@@ -208,6 +208,45 @@ class LogStruct(ctypes.Structure):
     ]
 
 
+class ExchangeStruct(ctypes.Structure):
+    """``Exchange``."""
+
+    _fields_ = [
+        ("asked", c_int64),
+        ("answered", c_int64),
+        ("worker_sleeps", c_int64),
+        ("master_sleeps", c_int64),
+        ("request", c_int64),
+        ("status", c_int64),
+        ("most_references", c_int64),
+        ("most_bytes", c_int64),
+        ("reference_count", c_int64),
+        ("value_count", c_int64),
+        ("time", c_double),
+        ("step", c_double),
+        ("event", c_int64),
+        ("terminate", c_int64),
+        ("early_return", c_int64),
+        ("last_time", c_double),
+    ]
+
+
+class IsolationStruct(ctypes.Structure):
+    """``Isolation``."""
+
+    _fields_ = [
+        ("exchange", c_void_p),
+        ("read", c_void_p),
+        ("write", c_void_p),
+        ("ear", c_int64),
+        ("mouth", c_int64),
+        ("looks", c_int64),
+        ("version", c_int64),
+        ("functions", c_void_p),
+        ("is_gone", c_int64),
+    ]
+
+
 @cache
 def library() -> Any:
     """The kernel for this machine.
@@ -238,6 +277,12 @@ def library() -> Any:
     kernel.kernel_float_mode.restype = c_int64
     kernel.kernel_restore_float_mode.argtypes = (c_int64,)
     kernel.kernel_restore_float_mode.restype = c_int64
+    kernel.kernel_isolated.argtypes = (c_int64, c_int64, c_int64)
+    kernel.kernel_isolated.restype = c_void_p
+    kernel.kernel_isolated_ask.argtypes = (c_void_p,)
+    kernel.kernel_isolated_ask.restype = c_int32
+    kernel.kernel_isolated_serve.argtypes = (c_void_p, c_void_p)
+    kernel.kernel_isolated_serve.restype = c_int32
     kernel.kernel_log_stray.restype = ctypes.POINTER(LogStruct)
     return kernel
 

@@ -9,6 +9,7 @@ from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
 from cosim.master.assembly.plan import Act
 from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.isolation.isolated import GONE
 from cosim.master.fmu.log import STATUS_NAMES
 from cosim.master.kernel.native import KernelOutcome
 from cosim.master.kernel.program import Program
@@ -17,6 +18,12 @@ _DID = {
     Act.SET: "setting its inputs",
     Act.GET: "reading its outputs",
     Act.STEP: "its step",
+}
+
+_IN = {
+    Act.SET: "while its inputs were set",
+    Act.GET: "while its outputs were read",
+    Act.STEP: "in its step",
 }
 
 
@@ -35,6 +42,8 @@ def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> C
     logged = chatted or "; it logged nothing"
     if outcome is KernelOutcome.STATUS:
         number = int(kernel.status)
+        if number == GONE and fmu is not None:
+            return RunError(f"{component} {fmu.manner_of_ending()} {_IN[action.act]} at {when}")
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
         if status == "discard" and fmu is not None and fmu.asks_to_end():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 
+from cosim.base.system.manner import manner
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.scenario import Scenario
 
@@ -27,11 +28,3 @@ def obituary(
         at = f"{component} was at work {doing}" if component else doing
         return f"the run's process was killed from outside (SIGKILL) while {at}"
     return f"{component or 'the run'} {manner(status)} {doing}"
-
-
-def manner(status: int) -> str:
-    """How a process ended that had no reason to: by a signal, or with an exit status."""
-    if status < 0:
-        said = (signal.strsignal(-status) or "").lower()
-        return f"crashed ({signal.Signals(-status).name}: {said})"
-    return f"ended the process (exit status {status})"

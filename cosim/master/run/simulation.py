@@ -25,6 +25,7 @@ from cosim.master.components.parameters import element_start
 from cosim.master.components.participants import Factory, Values, setup_of
 from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.isolation.isolated import ProcessEnded
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.fmu.surroundings import Surroundings
@@ -134,6 +135,8 @@ class Simulation:
         self._restored: Snapshot | None = None
         self._is_running = False
         self._end = 0
+        self.died = ""
+        """The sentence of an isolated FMU whose process ended when it was closed."""
         self._pauses: dict[int, Pause] = {}
         self._chunk = FIRST_CHUNK
         self._start_cells: tuple[Mapping[str, Values], NDArray[np.int64]] | None = None
@@ -326,10 +329,14 @@ class Simulation:
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
         self._close_components()
-        lost = {fmu.library for fmu in self._fmus.values() if fmu.is_lost}
+        apart = {fmu.library for fmu in self._fmus.values() if fmu.is_isolated}
+        lost = {fmu.library for fmu in self._fmus.values() if fmu.is_lost} - apart
         for name, fmu in self._fmus.items():
-            with self._undisturbed(fmu):
-                fmu.close(failed=name in self._failed or fmu.library in lost)
+            try:
+                with self._guarding(fmu):
+                    fmu.close(failed=name in self._failed or fmu.library in lost)
+            except RunError as error:
+                self.died = self.died or str(error)
         self._whereabouts.clear()
 
     def _close_components(self) -> None:
@@ -349,6 +356,8 @@ class Simulation:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+        if kind is None and self.died:
+            raise RunError(self.died)
 
     def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
         told = rehearsal or _tell_nobody
@@ -360,17 +369,17 @@ class Simulation:
             told(name, "entering initialisation mode")
             period = self.assembly.parts[name].period
             last = -(-end // period) * period  # the end of its last step may lie beyond the run's
-            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
+            with placed_refusal(self.scenario, name), self._guarding(fmu):
                 fmu.enter_initialisation(self.assembly.clock.seconds(last))
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
-        with self._undisturbed(*self._fmus.values()):
+        with self._guarding(*self._fmus.values()):
             while (stop := self._evaluate(INITIAL)) is Stop.CALL:
                 self._serve()
             self._raise_unless_done(stop)
         for name, fmu in self._fmus.items():
             told(name, "leaving initialisation mode")
-            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
+            with placed_refusal(self.scenario, name), self._guarding(fmu):
                 fmu.exit_initialisation()
         self._is_running, self._end = True, end
         if self._restored is not None:
@@ -407,12 +416,20 @@ class Simulation:
             self._run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
     @contextmanager
-    def _undisturbed(self, *fmus: Fmu) -> Generator[None]:
-        """Put back what foreign FMUs, one of these, change of what belongs to the process."""
+    def _guarding(self, *fmus: Fmu) -> Generator[None]:
+        """Put back what foreign FMUs, one of these, change of what belongs to the process.
+
+        Raises:
+            RunError: the process that one of them has for itself has ended.
+        """
         foreign = [fmu for fmu in fmus if not fmu.is_trusted]
         before = Surroundings() if foreign else None
         try:
             yield
+        except ProcessEnded as ended:
+            component, doing = self._whereabouts.sentence(self.scenario)
+            self._fmus[component].is_lost = True
+            raise RunError(f"{component} {ended.manner} {doing}") from None
         finally:
             for what in before.put_back() if before is not None else ():
                 for fmu in foreign:
@@ -432,7 +449,7 @@ class Simulation:
     def _create_fmus(self, told: Told) -> None:
         for name, fmu in self._fmus.items():
             if not fmu.is_trusted:  # all that share a library, before it is loaded anew
-                with self._undisturbed(fmu):
+                with self._guarding(fmu):
                     fmu.close(failed=name in self._failed)
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
@@ -444,11 +461,12 @@ class Simulation:
                     participant.fmu,
                     substeps=participant.substeps,
                     is_trusted=self.scenario.components[name].is_bundled,
+                    is_isolated=participant.is_isolated,
                     calling=partial(self._whereabouts.note, name),
                 )
             fmu = self._fmus[name]
             told(name, "being instantiated and given its values")
-            with placed_refusal(self.scenario, name), self._undisturbed(fmu):
+            with placed_refusal(self.scenario, name), self._guarding(fmu):
                 if is_new:
                     fmu.instantiate()
                 else:
@@ -518,7 +536,7 @@ class Simulation:
         told = began = time.perf_counter()
         try:
             if drive is not None:
-                with self._undisturbed(*foreign):
+                with self._guarding(*foreign):
                     stop = drive(
                         self.program, self._components, self.groups, sink, end=end, wish=wish
                     )
@@ -530,7 +548,7 @@ class Simulation:
                 first = kernel.tick
                 stop = min(end, first + chunk, *stops[:1])
                 before = time.perf_counter()
-                with self._undisturbed(*foreign):
+                with self._guarding(*foreign):
                     self._run_chunk(first, stop, sink)
                 now = time.perf_counter()
                 if now - before < CHUNK_SECONDS[0]:

@@ -41,6 +41,7 @@ def build_component(context: Context, name: str, form: ComponentForm) -> Scenari
         substeps=form.substeps or 1,
         feedthrough=feedthrough,
         is_strict=form.validate_ == "strict",
+        is_isolated=form.isolate == "process",
         parameters=form.parameters,
         start=form.start,
         options=_options(context, form, name),

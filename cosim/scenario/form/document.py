@@ -89,6 +89,11 @@ class ComponentForm(Form):
         description="fmu: whether outputs follow inputs within a tick, as its dependencies say; "
         "true for bundled models, false for others.",
     )
+    isolate: Literal["process"] | None = Field(
+        default=None,
+        description="fmu: `process`: in a process of its own, which may crash; by itself where its "
+        "library cannot be shared.",
+    )
     validate_: Literal["lenient", "strict"] | None = Field(
         default=None,
         alias="validate",
@@ -103,6 +108,7 @@ class ComponentForm(Form):
         if not kinds:
             raise problem("it has no kind; give it one of 'fmu', 'python', 'device', 'playback'.")
         owners = {"flavour": "fmu", "substeps": "fmu", "feedthrough": "fmu", "of": "playback"}
+        owners["isolate"] = "fmu"
         for key, owner in {**owners, "validate_": "fmu"}.items():
             if getattr(self, key) is not None and kinds[0] != owner:
                 raise problem(f"'{key.rstrip('_')}' belongs to '{owner}', not to '{kinds[0]}'.")

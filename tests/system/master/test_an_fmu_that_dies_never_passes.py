@@ -67,6 +67,35 @@ def test_every_way_of_dying_in_a_paced_run(tmp_path: Path, way: str) -> None:
 
 
 @pytest.mark.parametrize("options", [(), ("--realtime",)])
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("call", CALLS)
+def test_in_a_process_of_its_own_too(
+    tmp_path: Path, call: str, version: int, options: tuple[str, ...]
+) -> None:
+    rate = PACED if options else 1
+    where, place = sentence(call, version, rate)
+    place = place.replace("what was written before is kept", "kept")
+    fmu = dying(tmp_path, version, call, "exit(0)", rate)
+    done = ended(tmp_path, fmu, *options, rate=rate, keys=", isolate: process")
+    assert done.returncode == 1, done.stderr
+    said, _, kept = where.partition(";")
+    assert f"box ended the process (exit status 0) {said}" in done.stderr
+    assert "complete" not in kept or kept in done.stderr
+    assert "Traceback" not in done.stderr
+    record_is_right(tmp_path, place, done.stderr)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_way_of_dying_in_a_process_of_its_own(tmp_path: Path, way: str) -> None:
+    code, said = WAYS[way]
+    fmu = dying(tmp_path, 3, "DoStep", code)
+    done = ended(tmp_path, fmu, keys=", isolate: process")
+    assert done.returncode == 1
+    assert f"box {said} in its step at tick 3 (3 s)" in done.stderr
+    record_is_right(tmp_path, "kept", done.stderr)
+
+
+@pytest.mark.parametrize("options", [(), ("--realtime",)])
 @pytest.mark.parametrize("call", ["sys.exit(0)", "os._exit(0)"])
 def test_a_python_component_cannot_leave_with_success_either(
     tmp_path: Path, call: str, options: tuple[str, ...]

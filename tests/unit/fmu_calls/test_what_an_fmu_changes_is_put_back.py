@@ -76,6 +76,13 @@ def test_after_any_call_the_process_is_as_it_was(
             assert any(what in text and "was put back" in text for text in said), said
 
 
+def test_an_fmu_that_changes_nothing_is_said_nothing_of(tmp_path: Path) -> None:
+    path = foreign_fmu(tmp_path, 3, scalar(3, "u", 1, causality="input", start="0"))
+    written = {"duration": 1, "components": {"it": {"fmu": str(path), "rate": 100}}}
+    with assemble(scenario_of(tmp_path, written)) as simulation:
+        assert simulation.run(MemorySink()).said == {}
+
+
 DENORMALS = """
     static int hook(Foreign *m, const char *call)
     {

@@ -45,6 +45,8 @@ ELSEWHERE = {
     ("ComponentForm", "validate"),
     # Units that differ are shown with FMUs that bring them.
     ("ConnectionForm", "unit"),
+    # A process of its own has no effect on values, which is shown with the isolation.
+    ("ComponentForm", "isolate"),
 }
 """Keys whose effect the tests below show in another way."""
 
