@@ -97,7 +97,7 @@ def cost(*, cold: bool) -> dict[str, float]:
     clock = time.thread_time_ns
     evict = np.zeros(4 << 20)
     """32 MiB: what a tick's models and a recorder leave of the caches, at the worst."""
-    forged = bytearray(b.link.writers[0].datagram)
+    forged = bytearray(b.link.outgoing.writers[0].datagram)
     for number in range(COUNT if not cold else COUNT // 8):
         tick = number * PERIOD
         if cold:
@@ -117,7 +117,7 @@ def cost(*, cold: bool) -> dict[str, float]:
         b.write(tick)
         a.read(tick + PERIOD)
         if number % 8 == 0 and not cold:
-            forged[:] = a.link.writers[0].datagram
+            forged[:] = a.link.outgoing.writers[0].datagram
             forged[-1] ^= 1
             for _ in range(32):
                 a.link.transport.send(forged)

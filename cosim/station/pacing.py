@@ -17,6 +17,7 @@ from typing import Any
 
 from cosim.link.session.client import HandshakeProcess
 from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.wire.packet import PacketFlag
 from cosim.realtime.deadlines import Deadlines
 from cosim.realtime.pacing import DeadlinePacer, Work
 
@@ -123,7 +124,7 @@ class StationPacer:
 
     def _send_initial(self, first: int, now: int, epoch: int) -> None:
         for remote in self.remotes:
-            remote.link.send_initial(first, now, epoch)
+            remote.link.outgoing.send_flagged(PacketFlag.INITIAL, first, now, epoch)
             if remote.link.take_initial():
                 remote.show_initial()
 

@@ -14,10 +14,10 @@ from cosim.base.suggest import did_you_mean
 from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.keys import read_key_file
 from cosim.link.session.start import EXCHANGES
-from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.form import LONGEST_DELAY
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.phase import PhaseFollower
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
@@ -323,11 +323,11 @@ def _facts(
         transport = link.transport
         found["peers"][peer.name] = {
             "component": peer.component,
-            "sent": link.sent,
+            "sent": link.outgoing.sent,
             "refused": getattr(transport, "refused", 0),
             "unsent": getattr(transport, "unsent", 0),
             "foreign": link.foreign,
-            "flood": link.flood,
+            "flood": link.intake.flood,
             "faulty": link.faulty,
             "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
             "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,

@@ -34,9 +34,9 @@ from cosim.link.session.messages import (
     START,
     STATUS,
     USE,
+    SessionTaker,
 )
 from cosim.link.session.start import Start
-from cosim.link.stream.peer_link import PeerLink
 from cosim.link.wire.packet import PacketKind
 
 FORWARDS_AT_ONCE = 64
@@ -53,7 +53,7 @@ class HandshakeProcess:
     def __init__(self, own: str, peers: Sequence[str]) -> None:
         self.own = own
         self.peers = list(peers)
-        self.links: list[PeerLink] = []
+        self.links: Sequence[SessionTaker] = []
         self.start: Start | None = None
         self.dropped = 0
         """Datagrams not passed on: too many, of a wrong size, or the other process too slow."""

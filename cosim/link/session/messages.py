@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Sequence
+from typing import Protocol
+
+from cosim.link.session.keys import SessionKeys
 
 # Loop to process.
 DATAGRAM = struct.Struct("<cBq")
@@ -44,3 +47,22 @@ def refusal(peer: str, differences: Sequence[str]) -> bytes:
         if len(message) <= LARGEST_MESSAGE // 2 or not kept:
             return message
         kept.pop()
+
+
+class SessionTaker(Protocol):
+    """What in the loop is given the sessions with one peer."""
+
+    @property
+    def session(self) -> SessionKeys | None:
+        """What is sent under."""
+        ...
+
+    def offer(self, keys: SessionKeys, *, same: bool) -> None:
+        """Read what comes under a session; ``same``: of the peer's process of before."""
+
+    def use(self, session: int) -> bool:
+        """Send under a session that was offered; whether it is a new one."""
+        ...
+
+    def expect(self, round_trip: int, incoming: int) -> None:
+        """What the clock exchanges before the start have measured (ns)."""

@@ -15,7 +15,7 @@ from cosim.link.session.answerer import Answerer
 from cosim.link.session.asker import Asker
 from cosim.link.session.keys import SessionKeys
 from cosim.link.session.live import Keep, LiveSession, SessionState
-from cosim.link.stream.clock import ClockEstimate
+from cosim.link.wire.clock import ClockEstimate
 
 KEEP_INTERVAL = 20_000_000
 """ns between two KEEPs while one of the two does not run yet."""

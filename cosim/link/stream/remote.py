@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
-from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import Incoming, PeerLink
+from cosim.link.stream.phase import PhaseFollower
 
 
 class Grid:
@@ -98,7 +98,7 @@ class RemoteStation(Component):
         self._variables = _variables(link)
         self._shown: list[_Shown] = []
         self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
-        self._send_every = gcd(*(bundle.period for bundle in link.outgoing)) or 1
+        self._send_every = gcd(*(bundle.period for bundle in link.outgoing.bundles)) or 1
         self._facts: dict[str, Cells] = {}
         self._read_at: int | None = None
         shortest = min((item.weight.hold for item in link.incoming), default=1)
@@ -134,7 +134,9 @@ class RemoteStation(Component):
         self._gather = [
             # A memory view gives plain numbers, which costs half of NumPy's.
             ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer.values)
-            for bundle, writer in zip(self.link.outgoing, self.link.writers, strict=True)
+            for bundle, writer in zip(
+                self.link.outgoing.bundles, self.link.outgoing.writers, strict=True
+            )
         ]
         self._facts = {name: outputs[name] for name in LINK_FACTS}
         for shown in self._shown:
@@ -167,7 +169,7 @@ class RemoteStation(Component):
         self._tick = session_tick
         if session_tick % self._send_every == 0:
             self.collect()
-            self.link.send(session_tick, self._now(), self.grid.epoch)
+            self.link.outgoing.send(session_tick, self._now(), self.grid.epoch)
 
     def collect(self) -> None:
         """Copy the inputs into the packets."""
@@ -205,9 +207,9 @@ class RemoteStation(Component):
         if not link.clock.ready or not link.peer_epoch:
             return
         slip = -int(self._phase() / self.grid.tick_ns)
-        for item, setting in zip(link.incoming, link.settings, strict=True):
+        for item in link.incoming:
             # A grid that is being slewed is not a grid that slides, unless it is far off.
-            near = setting.clock == "follow" and abs(slip) < item.receiver.bundle.period
+            near = item.setting.clock == "follow" and abs(slip) < item.receiver.bundle.period
             item.receiver.slip = 0 if near else slip
 
     def _follow(self) -> None:
@@ -260,7 +262,7 @@ def _variables(link: PeerLink) -> tuple[Variable, ...]:
         found.append(
             Variable(name=fact, causality=Causality.OUTPUT, variability="discrete", unit=unit)
         )
-    for bundle in link.outgoing:
+    for bundle in link.outgoing.bundles:
         found += [_variable(field, Causality.INPUT) for field in bundle.fields]
     return tuple(found)
 

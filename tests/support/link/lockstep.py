@@ -68,7 +68,7 @@ class UdpWorld:
 
     def _pass_on(self, now: int) -> None:
         end = time.monotonic() + PATIENCE
-        while self.proxy.taken < self.a.link.sent + self.b.link.sent:
+        while self.proxy.taken < self.a.link.outgoing.sent + self.b.link.outgoing.sent:
             self.proxy.take_in(now)
             assert time.monotonic() < end, "the proxy has not got what was sent"
         there, back = self.proxy.release(now)

@@ -39,9 +39,7 @@ def free_ports(count: int = 2) -> tuple[int, ...]:
     return tuple(found)
 
 
-def station(
-    name: str, ports: tuple[int, ...], out: Path, *more: str, own_session: bool = False
-) -> subprocess.Popen[str]:
+def station(name: str, ports: tuple[int, ...], out: Path, *more: str) -> subprocess.Popen[str]:
     """Start a station; ``ports`` are those of station_a and station_b as it shall see them."""
     own, other = ports if name == "station_a" else ports[::-1]
     return subprocess.Popen(
@@ -53,7 +51,6 @@ def station(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        start_new_session=own_session,
     )
 
 
@@ -76,6 +73,18 @@ def ended(processes: list[subprocess.Popen[str]], timeout: float) -> list[tuple[
     return outputs
 
 
+def cut_power(process: subprocess.Popen[str]) -> None:
+    """Kill a station and all that it has started, at once: nothing says goodbye."""
+    everybody = [process.pid]
+    for number in everybody:
+        for children in Path(f"/proc/{number}/task").glob("*/children"):
+            with contextlib.suppress(OSError):
+                everybody += [int(word) for word in children.read_text().split()]
+    for number in everybody:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+
+
 class Listener:
     """A station's process whose words are heard as they come."""
 
@@ -95,9 +104,8 @@ class Listener:
                 self.waits_since = time.monotonic_ns()
 
     def kill(self) -> None:
-        """End it as a power cut would, and what it has started."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.process.pid, signal.SIGKILL)
+        """End it as a power cut would."""
+        cut_power(self.process)
         self.close()
 
     def stop(self) -> int:

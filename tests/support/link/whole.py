@@ -20,11 +20,11 @@ from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.messages import ARMED, DATAGRAM, LIVE, STATUS
 from cosim.link.session.negotiator import SessionNegotiator
-from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.phase import PhaseFollower
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.wire.packet import PacketKind
+from cosim.link.wire.packet import PacketFlag, PacketKind
 from tests.support.link.simulated import SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, bundle
 
@@ -254,7 +254,9 @@ class Station:
                 for peer, remote in self.remotes.items():
                     self._fill(peer)
                     remote.collect()
-                    remote.link.send_initial(self.grid.first_tick, now, start.epoch)
+                    remote.link.outgoing.send_flagged(
+                        PacketFlag.INITIAL, self.grid.first_tick, now, start.epoch
+                    )
                     if remote.link.take_initial():
                         remote.show_initial()
             return

@@ -12,9 +12,9 @@ import numpy as np
 
 from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.stream.bundle import Field, FieldRole, PacketBundle
-from cosim.link.stream.clock import PhaseFollower
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
+from cosim.link.stream.phase import PhaseFollower
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.transport import Transport
 from tests.support.link.simulated import Network, SkewedClock

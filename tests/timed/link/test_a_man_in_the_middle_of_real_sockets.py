@@ -72,9 +72,7 @@ class Processes:
     def start(self, name: str) -> None:
         self.starts += 1
         folder = self.out / str(self.starts)
-        process = station(
-            name, self.ports[name], folder, "--realtime", "--duration", "60", own_session=True
-        )
+        process = station(name, self.ports[name], folder, "--realtime", "--duration", "60")
         self.stations[name] = Listener(process)
         self.folders[name] = folder / name
 

@@ -121,8 +121,8 @@ def test_a_flood_neither_starves_the_peer_nor_lengthens_a_tick(kind: str, a_tick
         unread = world.proxy.release(world.transports[1].now + 10**10)[0]
     assert flood.sent >= 8 * a_tick * (samples - 17)
     # Everything is somewhere: looked at, thrown away unread, dropped by the kernel, on its way.
-    assert read[-1] + link.flood + dropped + unread == flood.sent + len(flood.packets)
-    assert max(b - a for a, b in itertools.pairwise(read)) <= link.reads
+    assert read[-1] + link.intake.flood + dropped + unread == flood.sent + len(flood.packets)
+    assert max(b - a for a, b in itertools.pairwise(read)) <= link.intake.reads
     # The flood's first tick of a second may cost the peer's packet, which is one of 128.
     assert samples - 2 <= accepted <= samples
     assert weights[-1] == 1.0
@@ -200,6 +200,6 @@ def test_many_bad_packets_through_a_socket_change_nothing(kind: str, count: int)
             receiver.highest(link.session.session),
             receiver.values.tobytes(),
         )
-        assert (link.flood, link.foreign, transport.dropped_by_kernel) == (0, 0, 0)
+        assert (link.intake.flood, link.foreign, transport.dropped_by_kernel) == (0, 0, 0)
         world.run(16)
         assert receiver.tick > held[0]

@@ -17,6 +17,7 @@ import pytest
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.wire.packet import PacketFlag
 from cosim.link.wire.transport import Address, open_socket
 from cosim.master.assembly.assemble import put_together
 from cosim.realtime.paced_loop import paced
@@ -64,7 +65,7 @@ class Together:
     def start(self, tick: int) -> None:
         for remote in self.remotes:
             remote.collect()
-            remote.link.send_initial(tick, 0, 0)
+            remote.link.outgoing.send_flagged(PacketFlag.INITIAL, tick, 0, 0)
         self.barrier.wait(PATIENCE)
         for remote in self.remotes:
             assert remote.link.take_initial()

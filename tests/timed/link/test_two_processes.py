@@ -20,6 +20,7 @@ from tests.support.link.processes import (
     HOLD,
     NAMES,
     check_bounds,
+    cut_power,
     ended,
     free_ports,
     link_of,
@@ -144,15 +145,19 @@ def killed_and_restarted(tmp_path: Path, victim: str) -> bool | str:
     ports = free_ports()
     other = {"station_a": "station_b", "station_b": "station_a"}[victim]
     survivor = station(other, ports, tmp_path, "--duration", "30", "--realtime")
-    first = station(victim, ports, tmp_path, "--duration", "60", "--realtime", own_session=True)
+    first = station(victim, ports, tmp_path, "--duration", "60", "--realtime")
     said(first, "connected to 1 of 1")
     time.sleep(6.0)
-    os.killpg(first.pid, signal.SIGKILL)
+    cut_power(first)
     first.communicate()
     again = station(victim, ports, tmp_path / "again", "--duration", "4", "--realtime")
     ended([survivor, again], 200.0)
     link = link_of(tmp_path / other)
     assert link["sessions"] >= 2
+    # The first time nobody said goodbye, the second time somebody did.
+    causes = link["peers"][victim]["streams"]["lan"]["lost_because"]
+    assert causes["silent"] >= 1
+    assert causes["inactive"] == 1
     with open_run(tmp_path / other) as run:
         ticks = run.ticks
         sequence = run[f"link_{victim}.lan.sequence"].values

@@ -64,7 +64,7 @@ def test_of_three_hundred_milliseconds_released_at_once_the_newest_counts() -> N
     assert len(kept) >= 37
     b.transport.receive = receive
     run(network, [a, b], START + 2 * SECOND + 320_000_000)
-    assert b.link.flood == 0
+    assert b.link.intake.flood == 0
     receiver = b.link.incoming[0].receiver
     assert receiver.tick >= shown[-1] - 3 * 8
     assert receiver.counts[Fate.ACCEPTED] >= 250
@@ -141,7 +141,7 @@ def test_a_renewal_costs_no_packet_and_no_weight() -> None:
     a, b = two(network)
     run(network, [a, b], START + 2 * SECOND)
     weights = weights_of(a), weights_of(b)
-    sent, accepted = a.link.sent, b.link.incoming[0].receiver.counts[Fate.ACCEPTED]
+    sent, accepted = a.link.outgoing.sent, b.link.incoming[0].receiver.counts[Fate.ACCEPTED]
     for number in range(1, 9):
         # The two ends hear of it at different times, as over a network.
         ends = (a, b) if number % 2 else (b, a)
@@ -152,7 +152,9 @@ def test_a_renewal_costs_no_packet_and_no_weight() -> None:
         run(network, [a, b], begin + 200_000_000)
     run(network, [a, b], START + 4 * SECOND)
     assert set(weights[0]) == set(weights[1]) == {1.0}
-    lost = (a.link.sent - sent) - (b.link.incoming[0].receiver.counts[Fate.ACCEPTED] - accepted)
+    lost = (a.link.outgoing.sent - sent) - (
+        b.link.incoming[0].receiver.counts[Fate.ACCEPTED] - accepted
+    )
     assert lost <= 1, "the last one may be on its way"
     assert b.link.incoming[0].receiver.counts[Fate.FOREIGN] == 0
 
@@ -208,9 +210,9 @@ def test_a_radio_that_sleeps_costs_what_it_sleeps_and_no_more() -> None:
         assert weights[-1] == 1.0
     check_ramps(weights)
     assert sum(weights) / len(weights) > 0.6
-    assert b.link.flood == 0
+    assert b.link.intake.flood == 0
     receiver = b.link.incoming[0].receiver
-    assert receiver.counts[Fate.ACCEPTED] > 0.85 * a.link.sent
+    assert receiver.counts[Fate.ACCEPTED] > 0.85 * a.link.outgoing.sent
 
 
 def test_a_delay_that_is_chosen_is_what_nine_of_ten_need_and_then_stays() -> None:
@@ -248,7 +250,7 @@ def test_packets_at_any_rate_from_32_to_1024_a_second_are_carried(rate: int, per
     # The first packet counts at once, and nothing is lost on a good way.
     first = weights.index(1.0)
     assert set(weights[first:]) == {1.0}
-    assert b.link.sent == 2 * rate // period
+    assert b.link.outgoing.sent == 2 * rate // period
     receiver = b.link.incoming[0].receiver
     assert receiver.counts[Fate.ACCEPTED] >= 2 * rate // period - 4 // period - 3
     assert receiver.delay <= max(period, 4)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.link.stream.clock import ClockEstimate, PhaseFollower
+from cosim.link.stream.phase import PhaseFollower
+from cosim.link.wire.clock import ClockEstimate
 
 
 def errors(

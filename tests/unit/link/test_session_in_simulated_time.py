@@ -104,7 +104,7 @@ def test_counters_equal_what_the_network_did() -> None:
     counts = b.link.incoming[0].receiver.counts
     lost_in_header = b.link.foreign + len(b.forwarded)
     arrived = int(counts.sum()) - int(counts[Fate.SUPERSEDED]) + lost_in_header
-    assert arrived == a.link.sent - done.lost + done.copies
+    assert arrived == a.link.outgoing.sent - done.lost + done.copies
     bad = counts[Fate.FORGED] + counts[Fate.FOREIGN] + counts[Fate.TRUNCATED] + lost_in_header
     assert bad == done.corrupted
     assert done.duplicated == counts[Fate.DUPLICATE]
@@ -233,4 +233,4 @@ def test_a_flood_is_cut_at_half_a_seconds_packets_a_tick() -> None:
     b.link.drain(1024)
     counted = b.link.incoming[0].receiver.counts.sum() - before + b.link.foreign
     assert counted == 64
-    assert b.link.flood == 1000 - 64
+    assert b.link.intake.flood == 1000 - 64
