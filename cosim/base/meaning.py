@@ -38,6 +38,8 @@ class Meaning(StrEnum):
     """Output: depth of the box in a wall (m)."""
     CONTACT_STATE = "contact_state"
     """Output: a finger on this copy of the box, 0 free, else touching."""
+    SATURATION = "saturation"
+    """Output: ticks in which an own finger was to be given more than its device can."""
     NORMAL_FORCE = "normal_force"
     """Output: normal force of a finger on this copy of the box (N)."""
     FINGER_X = "finger_x"

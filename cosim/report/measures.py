@@ -180,11 +180,17 @@ def _wall_penetration(measured: Inspection, window: TickRange | None) -> float |
     return max(found) if found else None
 
 
+def _saturated_ticks(measured: Inspection, window: TickRange | None) -> float | None:
+    first, last = window or (0, measured.run.ticks)
+    counters = [measured.window(_one(name), first, last) for name in measured.platform.saturations]
+    return sum(each.maximum - each.minimum for each in counters) if counters else None
+
+
 def signals_of(run: Run) -> set[str]:
     """The signals that the measures read."""
     platform = platform_of(run)
     found = {name for pose in platform.poses.values() for name in pose}
-    found |= set(platform.depths.values())
+    found |= {*platform.depths.values(), *platform.saturations}
     for contact in platform.contacts:
         found |= {contact.state, *((contact.normal_force,) if contact.normal_force else ())}
     return found
@@ -231,5 +237,10 @@ SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
     ),
     "wall_penetration": ScenarioMeasure(
         "m", "depth of the deepest corner in a wall", _wall_penetration
+    ),
+    "saturated_ticks": ScenarioMeasure(
+        "",
+        "ticks in which a finger was to be given more force than its device can, over all fingers",
+        _saturated_ticks,
     ),
 }

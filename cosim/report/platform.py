@@ -49,6 +49,8 @@ class RecordedPlatform:
     """The signals x, y (m) of the own fingers' tips, by copy."""
     depths: Mapping[str, str]
     """The signal of the depth in a wall (m), by copy."""
+    saturations: tuple[str, ...] = ()
+    """The signals that count ticks in which a finger was to be given more than its device can."""
 
     @property
     def copies(self) -> tuple[str, ...]:
@@ -67,6 +69,7 @@ def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
     tips: dict[str, tuple[tuple[str, str], ...]] = {}
     depths: dict[str, str] = {}
     contacts: list[Contact] = []
+    saturations: list[str] = []
     for copy, meant in found.items():
         pose = _together(meant, POSE, Slot())
         if pose is not None:
@@ -76,6 +79,7 @@ def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
             tips[copy] = tuple((pair[0], pair[1]) for pair in pairs if pair is not None)
             if (Meaning.WALL_PENETRATION, Slot()) in meant:
                 depths[copy] = meant[Meaning.WALL_PENETRATION, Slot()]
+        saturations += [meant[Meaning.SATURATION, s] for s in _slots(meant, Meaning.SATURATION)]
         contacts += [
             Contact(
                 copy,
@@ -85,7 +89,7 @@ def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
             )
             for slot in _slots(meant, Meaning.CONTACT_STATE)
         ]
-    return RecordedPlatform(poses, tuple(contacts), tips, depths)
+    return RecordedPlatform(poses, tuple(contacts), tips, depths, tuple(saturations))
 
 
 _FOUND: WeakKeyDictionary[Run, RecordedPlatform] = WeakKeyDictionary()

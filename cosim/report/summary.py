@@ -30,6 +30,7 @@ HEADLINES = (
 )
 """What a reader looks at first, in this order; of fingers, the own ones."""
 
+_LAST = ("wall_penetration", "saturated_ticks")
 HEADLINE_ROWS = 16
 SHOWN = 4
 """Runaway signals that are named; once a loop diverges, all of it does."""
@@ -110,8 +111,9 @@ def read_summary(folder: Path) -> Summary | None:
 def facts(content: Mapping[str, Any]) -> str:
     """One line: how long, what the measures say, how the expectations stand, how it ended."""
     parts = [f"{content['simulated_time']:g} s"]
-    for name in ("contact_losses", "held_fraction", "force_ripple", "drift", "wall_penetration"):
-        if content["measures"].get(name) is not None:
+    for name in ("contact_losses", "held_fraction", "force_ripple", "drift", *_LAST):
+        found = content["measures"].get(name)
+        if found is not None and (found or name != "saturated_ticks"):
             value = human(content["measures"][name], SCENARIO_MEASURES[name].unit)
             parts.append(f"{name.replace('_', ' ')} {value}")
     if content.get("runaways"):

@@ -43,7 +43,7 @@ MODEL = Model(
         ),
         *environment.environment_outputs(_PEERS),
     ),
-    work_bytes=4096,
+    work_bytes=6144,
     state=(*kept.station_state(), *kept.packet_state("sent"), *kept.world_state()),
     ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(
@@ -55,6 +55,7 @@ MODEL = Model(
         "finger.c",
         "packet.c",
         "passivity.c",
+        "port.c",
         "velocity_estimator.c",
         "five_bar.c",
     ),

@@ -11,6 +11,7 @@ enum { STATUS_IN_SIMULATION = 1 | 2 | 8 }; /* homed, active, output enabled */
 struct State {
     MechanismState motion;
     double current[2];
+    double work; /* of the motors on the joints so far, J */
     double delayed[LONGEST_DELAY][2]; /* the last torque commands, oldest at `oldest` */
     int64_t oldest;
     Mechanism mechanism;
@@ -145,6 +146,7 @@ static void motion_outputs(Variables *v, const State *s)
     v->tip_velocity[0] = velocity.x;
     v->tip_velocity[1] = velocity.y;
     v->energy = mechanism_energy(&s->mechanism, &pose, rate);
+    v->motor_work = s->work;
     for (int i = 0; i < 2; i++) {
         v->true_joint_angle[i] = s->motion.angle[i];
         v->joint_angle[i] = encoder_angle(&s->encoder[i], s->motion.angle[i]);
@@ -187,6 +189,7 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
         away[i] = drive->bandwidth > 0.0 ? s->current[i] - target[i] : 0.0;
     }
     Rotation joint[2];
+    double work = s->work;
     mechanism_joints(&motion, joint);
     for (int64_t n = 0; n < v->substeps; n++) {
         double start[2], middle[2];
@@ -195,14 +198,17 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
             middle[i] = drive->torque_per_ampere * (target[i] + away[i] * half);
             away[i] *= half * half;
         }
+        const double before[2] = {motion.angle[0], motion.angle[1]};
         if (!mechanism_step(&s->mechanism, &motion, joint, start, middle, force, step))
             return singular(&motion, r, t);
+        for (int i = 0; i < 2; i++) work += middle[i] * (motion.angle[i] - before[i]);
     }
     FiveBarPose pose;
     five_bar_pose_at(&s->mechanism.bar, joint, &pose);
     if (!(pose.valid && five_bar_is_regular(pose.jacobian, v->condition_limit)))
         return singular(&motion, r, t);
     s->motion = motion;
+    s->work = work;
     *(bool *)model_work(s) = false;
     for (int i = 0; i < 2; i++) s->current[i] = target[i] + away[i];
     if (v->computation_delay_ticks > 0) {

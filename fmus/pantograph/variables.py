@@ -195,6 +195,13 @@ _OUTPUTS = (
         unit="J",
         role="simulation_only",
     ),
+    ModelVariable(
+        name="motor_work",
+        description="Work that the motors have done on the joints so far",
+        causality="output",
+        unit="J",
+        role="simulation_only",
+    ),
 )
 
 MODEL = Model(
@@ -207,6 +214,7 @@ MODEL = Model(
         *reals(("motion.angle[0]", "motion.angle[1]"), "rad"),
         *reals(("motion.rate[0]", "motion.rate[1]"), "rad/s", step=1e-4),
         *reals(("current[0]", "current[1]"), "A"),
+        *reals(("work",), "J"),
         KeptRing(
             path="delayed",
             unit="N.m",

@@ -76,6 +76,7 @@ MODEL = Model(
         "finger.c",
         "packet.c",
         "passivity.c",
+        "port.c",
         "velocity_estimator.c",
         "wave.c",
         "five_bar.c",

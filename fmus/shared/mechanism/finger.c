@@ -51,20 +51,39 @@ FingerMeasurement finger_measure(const Finger *finger, const FingerState *state,
     return measured;
 }
 
-Vector finger_rendered_force(const Finger *finger, const FingerState *state,
-                             const FingerMeasurement *measured, Vector force, double *energy_after)
+double finger_energy(const Finger *finger, const FingerState *state,
+                     const FingerMeasurement *measured)
 {
-    *energy_after = state->energy;
+    double energy = finger->reports_work ? state->port.energy - (measured->work - state->work)
+                                         : port_energy(&state->port, planar_of(measured->position));
+    if (finger->passivity.reserve > 0.0) energy = fmin(energy, finger->passivity.reserve);
+    return energy;
+}
+
+Vector finger_rendered_force(const Finger *finger, const FingerState *state,
+                             const FingerMeasurement *measured, Vector force)
+{
     if (!measured->present) return (Vector){0.0, 0.0};
-    return passive_force(&finger->passivity, state->energy, force, measured->velocity, energy_after);
+    const Vector before = {state->port.place.x, state->port.place.y};
+    const Vector moved = state->port.open ? minus(measured->position, before) : (Vector){0.0, 0.0};
+    return passive_force(&finger->passivity, finger_energy(finger, state, measured), force, moved);
+}
+
+bool finger_saturates(const Finger *finger, const FingerMeasurement *measured, Vector force)
+{
+    return measured->present && hypot(force.x, force.y) > finger->passivity.max_force;
 }
 
 void finger_commit(const Finger *finger, FingerState *state, const FingerMeasurement *measured,
                    Vector force, int64_t sample_age, int64_t tick)
 {
-    double energy;
-    finger_rendered_force(finger, state, measured, force, &energy);
-    state->energy = energy;
+    const Vector rendered = finger_rendered_force(finger, state, measured, force);
+    const double energy = finger_energy(finger, state, measured);
+    state->port = port_next(&state->port, planar_of(measured->position), planar_of(rendered),
+                            measured->readable, 0.0);
+    state->port.energy = energy;
+    state->work = measured->work;
+    state->saturated += finger_saturates(finger, measured, force);
     state->position = measured->position;
     if (measured->readable && sample_age <= 0)
         sample_window_push(&state->samples, measured->sample, tick);

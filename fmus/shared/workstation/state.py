@@ -11,6 +11,8 @@ from fmus.shared.workstation.variables import FINGERS, PEERS
 from fmus.state import Kept, KeptReal, KeptRing, reals, words
 
 LONGEST_WINDOW = 32
+NEVER = "peers>=99"
+"""Nothing in the model reads it back."""
 WALLS, WALL_POINTS, CORNERS, LATTICE_NODES = 4, 8, 4, 9
 
 IDEAL_STATION: dict[str, float | int | str] = {
@@ -30,9 +32,9 @@ def vector(path: str, unit: str, when: str = "") -> list[Kept]:
     return reals((f"{path}.x", f"{path}.y"), unit, when=when)
 
 
-def planar(path: str, linear: str, angular: str) -> list[Kept]:
-    """A pose or a velocity."""
-    return [*vector(path, linear), KeptReal(path=f"{path}.theta", unit=angular)]
+def planar(path: str, linear: str, angular: str, when: str = "") -> list[Kept]:
+    """A pose, a velocity or a wrench."""
+    return [*vector(path, linear, when), KeptReal(path=f"{path}.theta", unit=angular, when=when)]
 
 
 def station_state(own: str = "own") -> list[Kept]:
@@ -54,11 +56,23 @@ def station_state(own: str = "own") -> list[Kept]:
                 when=used,
             ),
             *vector(f"{finger}.position", "m", used),
-            KeptReal(path=f"{finger}.energy", unit="J", when=f"{used}&passivity"),
+            *port_state(f"{finger}.port", f"{used}&passivity"),
+            KeptReal(path=f"{finger}.work", unit="J", when=f"{used}&passivity"),
+            *words((f"{finger}.saturated",)),
             *words(f"{finger}.samples.tick[{row}]" for row in range(LONGEST_WINDOW)),
             *words((f"{finger}.samples.newest", f"{finger}.samples.count")),
         ]
     return found
+
+
+def port_state(path: str, when: str) -> list[Kept]:
+    """Effort, place and energy of a port; only a controller reads them."""
+    return [
+        *planar(f"{path}.effort", "N", "N.m", when),
+        *planar(f"{path}.place", "m", "rad", when),
+        KeptReal(path=f"{path}.energy", unit="J", when=when),
+        *words((f"{path}.open",)),
+    ]
 
 
 def packet_state(path: str) -> list[Kept]:
@@ -104,6 +118,9 @@ def world_state(path: str = "environment") -> list[Kept]:
         found += contact_state(f"{path}.own[{finger}]", f"fingers>={finger + 1}")
     for peer, finger in pairs(PEERS, FINGERS):
         found += contact_state(f"{path}.peer[{peer}][{finger}]", f"peers>={peer + 1}")
+        found += port_state(f"{path}.peer_port[{peer}][{finger}]", NEVER)
+    for peer in range(PEERS):
+        found += port_state(f"{path}.coupling_port[{peer}]", NEVER)
     for wall, point in pairs(WALLS, WALL_POINTS):
         when = f"wall_{wall + 1}.enabled" + (f"&{soft}" if point >= CORNERS else "")
         found += contact_state(f"{path}.wall[{wall}][{point}]", when)

@@ -225,7 +225,8 @@ def station_parameters(*, peers: bool = True) -> tuple[ModelVariable, ...]:
         choice("passivity", "Passivity layer on the rendered force of every own finger", PASSIVITY),
         real(
             "passivity_damping_limit",
-            "Largest damping of the passivity controller (chosen; above b the device is unstable)",
+            "Largest damping of the passivity controller: below 0.34 m/T it does not overshoot, "
+            "above 2 m/T it is unstable (chosen: 75 g at 1024 Hz)",
             "N.s/m",
             20.0,
             minimum=0.0,
@@ -388,6 +389,12 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: ModelVariable) -> Gr
                 start=11,
             ),
             signal("sample_age", "Ticks since the joint angles were measured", None),
+            signal("device_work", "Work that the device's motors have done so far", "J"),
+            switch(
+                "device_reports_work",
+                "Whether device_work is what the energy is observed by: behind an amplifier's lag "
+                "a torque is not held, and what was commanded is not what did the work",
+            ),
             output("motor_torque", "Torques that render the force", "N.m", rendered, size=2),
             output(
                 "position",
@@ -408,10 +415,17 @@ def finger_group(force_depends_on: tuple[str, ...], *extra: ModelVariable) -> Gr
             ),
             output(
                 "observed_energy",
-                "Energy that the user has put into what is rendered: minus the sum of T F v",
+                "Energy that the user has put into what is rendered: minus the sum of what was "
+                "held times how far the finger went",
                 "J",
                 rendered,
                 meaning=Meaning.PORT_ENERGY,
+            ),
+            output(
+                "saturated_ticks",
+                "Ticks in which more force was wanted than max_force",
+                None,
+                meaning=Meaning.SATURATION,
             ),
             *extra,
         ),
@@ -552,7 +566,23 @@ def peer_contact_outputs(depends_on: tuple[str, ...], who: str) -> tuple[ModelVa
                 None,
                 depends_on,
             ),
+            output(
+                f"finger_{number}_energy",
+                f"Energy that the {who}'s finger {number} has put into this box",
+                "J",
+                depends_on,
+                meaning=Meaning.PORT_ENERGY,
+                finger=number,
+            ),
         ]
+    members.append(
+        output(
+            "coupling_energy",
+            f"Energy that the {who}'s copy of the box has put into this one",
+            "J",
+            depends_on,
+        )
+    )
     return tuple(members)
 
 

@@ -61,6 +61,7 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
             .passivity = {v->passivity == PASSIVITY_TIME_DOMAIN, v->passivity_damping_limit,
                           v->passivity_reserve, v->finger[f].max_force, v->sample_period},
             .used = f < v->fingers,
+            .reports_work = v->finger[f].device_reports_work,
             .adaptive = v->velocity_estimator == VELOCITYESTIMATOR_FOAW,
             .window = v->velocity_window,
             .period = v->sample_period,
@@ -72,9 +73,11 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
 static void station_measure(const Variables *v, const Station *station, const StationState *state,
                             FingerMeasurement measured[FINGERS])
 {
-    for (int f = 0; f < FINGERS; f++)
+    for (int f = 0; f < FINGERS; f++) {
         measured[f] = finger_measure(&station->finger[f], &state->finger[f], v->finger[f].joint_angle,
                                      v->finger[f].status, v->finger[f].sample_age, state->tick);
+        measured[f].work = v->finger[f].device_work;
+    }
 }
 
 static const char *station_check_step(const Station *station, double h, Report *r)
@@ -99,16 +102,16 @@ static void station_commit(const Variables *v, const Station *station, StationSt
 static void station_render(Variables *v, const Station *station, const StationState *state, int f,
                            const FingerMeasurement *measured, Vector force)
 {
-    double energy;
-    const Vector rendered = finger_rendered_force(&station->finger[f], &state->finger[f], measured,
-                                                  force, &energy);
+    const Vector rendered =
+        finger_rendered_force(&station->finger[f], &state->finger[f], measured, force);
     v->finger[f].position[0] = measured->position.x;
     v->finger[f].position[1] = measured->position.y;
     v->finger[f].velocity[0] = measured->velocity.x;
     v->finger[f].velocity[1] = measured->velocity.y;
     v->finger[f].force[0] = rendered.x;
     v->finger[f].force[1] = rendered.y;
-    v->finger[f].observed_energy = energy;
+    v->finger[f].observed_energy = finger_energy(&station->finger[f], &state->finger[f], measured);
+    v->finger[f].saturated_ticks = state->finger[f].saturated;
     finger_torque(&station->finger[f], measured, rendered, v->finger[f].motor_torque);
 }
 

@@ -36,6 +36,8 @@ static const char *environment_set_up(const Variables *v, World *world, WorldSta
     world->compensation =
         (Planar){v->compensation.x, v->compensation.y, v->compensation.theta};
     for (int f = 0; f < FINGERS; f++)
+        world->own_limit[f] = v->box_is_pushed_with == PUSH_RENDERED ? v->finger[f].max_force : 0.0;
+    for (int f = 0; f < FINGERS; f++)
         world->cancellation[f] = (Cancellation){
             v->hand_mass, v->moment_cancellation ? v->finger[f].max_force : 0.0, v->sample_period};
     for (int w = 0; w < WALLS; w++) {
@@ -142,6 +144,9 @@ static void pack_box(const BoxState *box, Packet *packet)
         (target).finger_2_contact_state = (forces)->peer_contact[p][1].mode; \
         (target).finger_1_contact_losses = (forces)->peer_contact[p][0].losses; \
         (target).finger_2_contact_losses = (forces)->peer_contact[p][1].losses; \
+        (target).finger_1_energy = (forces)->peer_port[p][0].energy; \
+        (target).finger_2_energy = (forces)->peer_port[p][1].energy; \
+        (target).coupling_energy = (forces)->coupling_port[p].energy; \
     } while (0)
 
 static void environment_outputs(Variables *v, const Station *station, const StationState *own,

@@ -59,6 +59,19 @@ PREDICTOR = Enumeration(
     ),
 )
 
+PUSH = Enumeration(
+    name="Push",
+    description="What the box is pushed with by an own finger whose force is cut at max_force",
+    items=(
+        Item(name="wanted", value=0, description="The contact's whole force (thesis)"),
+        Item(
+            name="rendered",
+            value=1,
+            description="What the hand is given, so that both have the same",
+        ),
+    ),
+)
+
 Coupler = tuple[float, float, float, float]
 """Normal stiffness and damping, tangential stiffness and damping (N/m, N.s/m)."""
 
@@ -108,6 +121,11 @@ def coupler_parameters(
         switch(
             "moment_cancellation",
             "Whether own fingers that hit the box are stopped by impulses (eqs. 7.1, 7.2)",
+        ),
+        choice(
+            "box_is_pushed_with",
+            "What the box is pushed with where a finger's force is cut at max_force",
+            PUSH,
         ),
         real(
             "hand_mass",

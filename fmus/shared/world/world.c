@@ -16,7 +16,7 @@ void world_place(const World *world, WorldState *state, Planar pose)
 static Contact finger_contact(const World *world, const WorldState *state, Rotation rotation,
                               const Surface *surface, const Cancellation *cancellation,
                               const Contact *before, const FingerInput *finger, double weight,
-                              WorldForces *forces, FingerForce *force, Planar *wrench)
+                              double limit, WorldForces *forces, FingerForce *force, Planar *wrench)
 {
     *force = (FingerForce){0};
     Touch touch = {.touching = false};
@@ -30,6 +30,11 @@ static Contact finger_contact(const World *world, const WorldState *state, Rotat
     if (!touch.touching) return next;
     force->along.normal *= weight;
     force->along.tangential *= weight;
+    const double size = hypot(force->along.normal, force->along.tangential);
+    if (limit > 0.0 && size > limit) {
+        force->along.normal *= limit / size;
+        force->along.tangential *= limit / size;
+    }
     const Vector normal = world->soft ? grip.normal : turn(rotation, box_normal(touch.face));
     force->force = plus(times(force->along.normal, normal),
                         times(force->along.tangential, left_of(normal)));
@@ -148,13 +153,23 @@ static void peers(const World *world, const WorldState *state, const WorldInput 
         for (int f = 0; f < PEER_FINGERS; f++)
             forces->peer_contact[p][f] = finger_contact(
                 world, state, rotation, &world->peer_surface, &NO_CANCELLATION, &state->peer[p][f],
-                &peer->finger[f], peer->weight, forces, &forces->peer[p][f], &forces->from_peers);
+                &peer->finger[f], peer->weight, 0.0, forces, &forces->peer[p][f],
+                &forces->from_peers);
+        for (int f = 0; f < PEER_FINGERS; f++)
+            forces->peer_port[p][f] = port_next(
+                &state->peer_port[p][f], planar_of(peer->finger[f].position),
+                planar_of(forces->peer[p][f].force), peer->finger[f].present, 0.0);
+        forces->coupling_port[p] =
+            port_next(&state->coupling_port[p], peer->box.pose, (Planar){0}, false, 0.0);
         if (!(peer->coupled && peer->weight > 0.0 && state_is_finite(&peer->box))) continue;
         const Planar pull = coupling_wrench(&world->coupling, &state->box, &peer->box);
         const Planar felt = {peer->weight * pull.x, peer->weight * pull.y,
                              peer->weight * pull.theta};
         if (world->soft) lattice_spread(&state->lattice, state->box.pose, felt, forces->node);
         forces->from_peers = planar_sum(forces->from_peers, felt);
+        const Planar reaction = {-felt.x, -felt.y, -felt.theta};
+        forces->coupling_port[p] =
+            port_next(&state->coupling_port[p], peer->box.pose, reaction, true, 0.0);
     }
 }
 
@@ -167,7 +182,7 @@ void world_forces(const World *world, const WorldState *state, const WorldInput 
     for (int f = 0; f < OWN_FINGERS; f++)
         forces->own_contact[f] = finger_contact(
             world, state, rotation, &world->own_surface, &world->cancellation[f], &state->own[f],
-            &input->own[f], 1.0, forces, &forces->own[f], &forces->from_own);
+            &input->own[f], 1.0, world->own_limit[f], forces, &forces->own[f], &forces->from_own);
     peers(world, state, input, rotation, forces);
     wall_forces(world, state, rotation, forces);
     const Planar compensation = {-world->compensation.x * box->velocity.x,
@@ -182,7 +197,11 @@ void world_step(const World *world, WorldState *state, const WorldForces *forces
 {
     for (int f = 0; f < OWN_FINGERS; f++) state->own[f] = forces->own_contact[f];
     for (int p = 0; p < PEERS; p++)
-        for (int f = 0; f < PEER_FINGERS; f++) state->peer[p][f] = forces->peer_contact[p][f];
+        for (int f = 0; f < PEER_FINGERS; f++) {
+            state->peer[p][f] = forces->peer_contact[p][f];
+            state->peer_port[p][f] = forces->peer_port[p][f];
+        }
+    for (int p = 0; p < PEERS; p++) state->coupling_port[p] = forces->coupling_port[p];
     commit_walls(world, state);
     if (!world->soft) {
         state->box = box_step(&world->box, &state->box, forces->total, world->period);

@@ -8,6 +8,7 @@
 #include "box.h"
 #include "contact.h"
 #include "lattice.h"
+#include "port.h"
 #include "vector.h"
 
 enum { OWN_FINGERS = 2, PEERS = 3, PEER_FINGERS = 2, WALLS = 4, CORNERS = 4,
@@ -34,6 +35,7 @@ typedef struct {
     Coupling coupling;
     Planar compensation; /* b_c: force -b_c times own velocity; negative cancels damping */
     Cancellation cancellation[OWN_FINGERS];
+    double own_limit[OWN_FINGERS]; /* N that the box is pushed with at most; 0: none */
     double period;
 } World;
 
@@ -43,6 +45,8 @@ typedef struct {
     Contact own[OWN_FINGERS];
     Contact peer[PEERS][PEER_FINGERS];
     Contact wall[WALLS][WALL_POINTS];
+    Port peer_port[PEERS][PEER_FINGERS]; /* where fingers of others come in from the network */
+    Port coupling_port[PEERS];           /* where their copies of the box do */
 } WorldState;
 
 typedef struct {
@@ -74,6 +78,8 @@ typedef struct {
     double wall_penetration; /* deepest point, m */
     Contact own_contact[OWN_FINGERS];
     Contact peer_contact[PEERS][PEER_FINGERS];
+    Port peer_port[PEERS][PEER_FINGERS];
+    Port coupling_port[PEERS];
     Vector node[LATTICE_NODES]; /* outer forces on the lattice */
 } WorldForces;
 

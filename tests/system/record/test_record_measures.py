@@ -43,6 +43,7 @@ def signals() -> dict[str, np.ndarray]:
         "vr_a.peer_contact_1.finger_1_normal_force": 0.2 * force,
         "vr_a.peer_contact_3.finger_1_contact_state": 0 * touching,
         "vr_a.wall_penetration": np.where(TIME > 3, 1e-3, 0.0),
+        "vr_a.finger_1.saturated_ticks": np.clip(np.arange(ROWS) - 1000, 0, 37),
     }
     return found
 
@@ -54,6 +55,7 @@ MEANINGS = {
     "contact_state": Meaning.CONTACT_STATE,
     "normal_force": Meaning.NORMAL_FORCE,
     "wall_penetration": Meaning.WALL_PENETRATION,
+    "saturated_ticks": Meaning.SATURATION,
 }
 
 
@@ -104,6 +106,7 @@ def test_the_measures_of_a_carried_box(tmp_path: Path, signals: dict[str, np.nda
         "drift_angle": 0.01,
         "box_displacement": np.hypot(signals["vr_b.box_pose.x"], 0.004 * (TIME > 2)).max(),
         "wall_penetration": 1e-3,
+        "saturated_ticks": 37,
     }
     assert set(expected) == set(SCENARIO_MEASURES)
     for name, value in expected.items():
@@ -145,7 +148,9 @@ def test_a_record_of_old_is_measured_by_its_names(
         cells = np.stack([signal.values.view(np.int64) for signal in recorded], axis=1)
         group = RecordGroup(name="control", period=1, columns=columns)
         write_format_1(tmp_path / "old", group, cells, run.base_rate)
-    assert all_measures(tmp_path / "old") == all_measures(tmp_path / "new")
+    # Version 0.1.0 did not count saturation.
+    wanted = all_measures(tmp_path / "new") | {"saturated_ticks": None}
+    assert all_measures(tmp_path / "old") == wanted
 
 
 def test_a_window_bounds_every_measure(tmp_path: Path, signals: dict[str, np.ndarray]) -> None:
