@@ -22,6 +22,7 @@ COMMANDS = {
     "merge": "Align the records of the stations of one session.",
     "netchar": "Measure the network between two machines: delay, jitter, loss, rate.",
     "plot": "Draw signals of runs: over time, difference, spectrum, phase plane, histogram.",
+    "play": "Take a user's place by hand, in a browser.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",

@@ -1,7 +1,8 @@
 """Whose hand a page moves: each user of the run is taken by one page at a time.
 
 A page says where its pointer is in every frame it draws; who says nothing is not there, and
-``cosim.live.pointer`` sees that by the age of the last word.
+``cosim.live.pointer`` sees that by the age of the last word. A user whom nobody has taken does as
+the others do, in their own place: a partner who helps.
 """
 
 from __future__ import annotations
@@ -49,7 +50,15 @@ class Seats:
         self._control = control
         self._held: dict[str, Viewer] = {}
         self._clocks: dict[str, _Clock] = {}
+        self._middles: dict[str, list[float]] = {}
         self._times = {user: deque[tuple[int, float]](maxlen=NOTED) for user in mailboxes}
+
+    def follow(self, scene: Mapping[str, Any]) -> None:
+        """A run begins: where the hands of its users are in their middle."""
+        self._middles = {
+            pointer["station"]: [x for finger in pointer["fingers"] for x in finger["reach"][:2]]
+            for pointer in scene.get("pointers", ())
+        }
 
     def seat(self, viewer: Viewer) -> None:
         """Give a page that comes the first user who is free."""
@@ -115,3 +124,14 @@ class Seats:
         when = self._clocks[user].ours(values[0] * 1e-3)
         number = self._mailboxes[user].post(when, values[1:], present=True)
         self._times[user].append((number, values[0]))
+        self._help(user, when, values[1:])
+
+    def _help(self, user: str, when: float, positions: list[float]) -> None:
+        """Who is free does the same."""
+        own = self._middles.get(user)
+        for other, box in self._mailboxes.items():
+            theirs = self._middles.get(other)
+            if other in self._held or own is None or theirs is None:
+                continue
+            moved = [p - a + b for p, a, b in zip(positions, own, theirs, strict=True)]
+            box.post(when, moved, present=True)

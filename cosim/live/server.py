@@ -183,6 +183,8 @@ class LiveServer:
     def _look(self) -> None:
         self._run = Followed.find(self._settings.wanted)
         if self._run is not None:
+            if self._seats is not None:
+                self._seats.follow(self._run.scene)
             for viewer in self._viewers:
                 viewer.seen.clear()
                 self._introduce(viewer)

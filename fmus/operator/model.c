@@ -145,18 +145,14 @@ void model_outputs(Variables *v, const State *s)
     }
 }
 
-/* Nobody is there: the via points, and then the reference goes along with the finger. */
-static void emulate(const Variables *v, Tracking *k, double t, double h)
+/* Nobody was there yet: the via points. */
+static void emulate(const Variables *v, Tracking *k, double t)
 {
-    const double end = v->via_count ? v->via_time[v->via_count - 1] : v->trajectory_start_time;
     for (int axis = 0; axis < AXES; ++axis) {
-        Signal next = {k->position[axis], 0.0};
-        if (t < end)
-            next = via_signal(v, t + h, axis == 0 ? v->via_x : v->via_y, v->initial_position[axis]);
-        else if (v->yield_time > 0.0)
-            next.value += (v->position[axis] - k->position[axis]) * fmin(h / v->yield_time, 1.0);
-        k->position[axis] = next.value;
-        k->velocity[axis] = next.rate;
+        const double *points = axis == 0 ? v->via_x : v->via_y;
+        const Signal signal = via_signal(v, t, points, v->initial_position[axis]);
+        k->position[axis] = signal.value;
+        k->velocity[axis] = signal.rate;
     }
 }
 
@@ -173,6 +169,6 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
         v->tracking_frequency, v->tracking_speed, v->target_hold_time,
     };
     if (!tracking_step(&s->tracking, &target, &limits, v->position, t, h))
-        emulate(v, &s->tracking, t, h);
+        emulate(v, &s->tracking, s->time);
     return NULL;
 }

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.state import words
+from fmus.state import Kept, reals, words
 from fmus.table import Causality, Enumeration, Item, Model, ModelVariable
 
 VIA_POINTS = 16
+TRACKED = "trajectory>=4"
+"""Where a tracked reference is read."""
 
 IMPEDANCE = Enumeration(
     name="operator_impedance",
@@ -79,12 +81,24 @@ def _via(name: str, description: str, unit: str) -> ModelVariable:
     )
 
 
+def _kept(unit: str, *names: str) -> list[Kept]:
+    paths = [f"tracking.{name}[{axis}]" for name in names for axis in range(2)]
+    return reals(paths, unit, when=TRACKED)
+
+
 MODEL = Model(
     name="operator",
     description="Emulated user: force, and a hand impedance along a planar trajectory",
     sources=("model.c", "tracking.c", "waveform.c"),
     state_ends_in_table=True,
-    state=tuple(words(("time",))),
+    state=(
+        *words(("time", *(f"tracking.{name}" for name in ("sample_time", "interval", "silence")))),
+        *words(("tracking.count",)),
+        *words(("tracking.presence",), are_modes=True),
+        *_kept("m", "position", "sample"),
+        *_kept("m/s", "velocity", "sample_velocity"),
+        *reals(("tracking.weight",), "1", when=TRACKED),
+    ),
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
         _pair("velocity", "Velocity of the finger, world frame", "m/s", "input"),
@@ -179,12 +193,6 @@ MODEL = Model(
             "How long a target that is not valid any more is held; then the hand lets go",
             "s",
             0.5,
-        ),
-        _number(
-            "yield_time",
-            "Time constant with which the reference of a tracked trajectory goes along with the "
-            "finger while nobody is there and the via points are over; 0: it stays",
-            "s",
         ),
         ModelVariable(
             name="trajectory_file",
