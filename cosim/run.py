@@ -81,9 +81,8 @@ class _FolderRecorder(Recorder):
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         self.folder = new_folder(self._scenario.name, self._out)
         self.path = self.folder / RUN_FILE
-        resolved = to_yaml(self._scenario)
         try:
-            (self.folder / SCENARIO_FILE).write_text(resolved, encoding="utf-8")
+            self._write_scenario(self._scenario)
             write_manifest(self.folder, self._manifest)
         except OSError as error:
             raise self.refusal(error) from error
@@ -91,6 +90,15 @@ class _FolderRecorder(Recorder):
         if self._watcher is not None:
             self._watcher.begun(self.folder)
         self.start_up_time = time.perf_counter() - self._began
+
+    def keep_scenario(self, scenario: Scenario) -> None:
+        """What ran in the end, which differs from what began where something was turned by hand."""
+        if self.folder is not None and scenario != self._scenario:
+            self._write_scenario(scenario)
+
+    def _write_scenario(self, scenario: Scenario) -> None:
+        assert self.folder is not None
+        (self.folder / SCENARIO_FILE).write_text(to_yaml(scenario), encoding="utf-8")
 
 
 def run_scenario(
@@ -138,6 +146,7 @@ def run_scenario(
         manifest["notes"] = [*simulation.notes, *prepared.warnings]
         recorder = _FolderRecorder(simulation.scenario, out, manifest, began, watcher)
         error = _run(simulation, recorder, execute or _here, progress)
+        recorder.keep_scenario(simulation.replay())
         folder, outcome = recorder.folder, simulation.outcome
         if folder is None or not recorder.has_begun:
             raise error or RunError("Interrupted before the first tick; nothing was recorded.")

@@ -73,7 +73,6 @@ def _add_types(root: ET.Element, layout: SlotLayout) -> None:
 
 def _add_variable(variables: ET.Element, element: SlotElement) -> None:
     variable = element.variable
-    fixed = variable.causality in {"parameter", "calculatedParameter"}
     scalar = add(
         variables,
         "ScalarVariable",
@@ -81,7 +80,7 @@ def _add_variable(variables: ET.Element, element: SlotElement) -> None:
         valueReference=str(element.slot),
         description=variable.description,
         causality=variable.causality,
-        variability="fixed" if fixed else "continuous" if variable.type == "real" else "discrete",
+        variability=variable.variability,
         initial="calculated" if variable.causality not in {"parameter", "input"} else None,
     )
     limited = variable.type in {"real", "integer"}

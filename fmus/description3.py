@@ -119,7 +119,6 @@ def _add_variable(
     parent: ET.Element, name: str, elements: list[SlotElement], size: int | None
 ) -> None:
     first, variable = elements[0], elements[0].variable
-    fixed = variable.causality in {"parameter", "calculatedParameter"}
     limited = variable.type in {"real", "integer"}
     starts = [text for element in elements if (text := description.start_text(element)) is not None]
     node = add(
@@ -129,7 +128,7 @@ def _add_variable(
         valueReference=str(first.slot),
         description=variable.description,
         causality=variable.causality,
-        variability="fixed" if fixed else "continuous" if variable.type == "real" else "discrete",
+        variability=variable.variability,
         initial="calculated" if variable.causality not in {"parameter", "input"} else None,
         declaredType=variable.enumeration.name if variable.enumeration else None,
         unit=variable.unit or None,

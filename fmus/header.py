@@ -78,6 +78,7 @@ def description_source(model: Model, *, token: str, digest: str) -> str:
             if model.state_ends_in_table
             else ("size_t model_state_used(const State *s) { return model_state_size; }",)
         ),
+        *(() if model.retunes else ("void model_retune(const Variables *v, State *s) {}",)),
         "",
         f"const Element model_elements[{max(layout.slots, 1)}] = {{",
     ]
@@ -118,10 +119,11 @@ def _element(element: SlotElement) -> str:
         initial = f".real = {float(start or 0.0)!r}"
     else:
         initial = f".integer = {int(start or 0)}"
+    access = "ACCESS_TUNABLE" if variable.tunable else _GLUE_ACCESS[variable.causality]
     length = variable.size or 1 if element.index == 0 else 0
     return (
         f"    [{element.slot}] = {{{_string(element.name)}, {_GLUE_TYPE[variable.type]}, "
-        f"{_GLUE_ACCESS[variable.causality]}, {length}, {minimum}, {maximum}, {{{initial}}}}},"
+        f"{access}, {length}, {minimum}, {maximum}, {{{initial}}}}},"
     )
 
 

@@ -84,7 +84,7 @@ def words(paths: Iterable[str], *, are_modes: bool = False) -> list[Kept]:
 
 def offsets_source(model_source: Path, state: Iterable[Kept]) -> str:
     """C that exports the offset of every member; it takes the model's own file for the struct."""
-    renamed = ("state_size", "state_used", "initialise", "outputs", "step")
+    renamed = ("state_size", "state_used", "initialise", "retune", "outputs", "step")
     lines = [f"#define model_{name} unused_model_{name}" for name in renamed]
     lines += [f'#include "{model_source.as_posix()}"', ""]
     lines += [f"#undef model_{name}" for name in renamed]

@@ -53,8 +53,9 @@ class ModelVariable:
     ``initial_depends_on`` names inputs that it depends on in initialisation mode only (an estimator
     that is primed).
     ``unit`` is an FMI unit string made of SI units (``N.m``, ``N.s/m``, ``rad``), ``1`` for pure
-    numbers, empty for what takes the unit of whatever it is connected to. A parameter is ``fixed``;
-    ``start`` is a scalar (for every element) or a tuple.
+    numbers, empty for what takes the unit of whatever it is connected to. A parameter is ``fixed``
+    unless it is ``tunable``: then it may change between two steps. ``start`` is a scalar (for every
+    element) or a tuple.
     ``meaning`` is what others look for; an array may have one for each element. ``finger`` and
     ``peer`` number what it belongs to, where the group around it does not; ``each`` says that the
     elements of an array are numbered so.
@@ -63,6 +64,7 @@ class ModelVariable:
     name: str
     description: str
     causality: Causality
+    tunable: bool = False
     type: Type = "real"
     unit: str | None = None
     start: float | int | bool | str | tuple[float, ...] | None = None
@@ -77,6 +79,13 @@ class ModelVariable:
     each: Numbered | None = None
     depends_on: tuple[str, ...] = ()
     initial_depends_on: tuple[str, ...] = ()
+
+    @property
+    def variability(self) -> str:
+        """When the value may change (FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.4)."""
+        if self.causality in {"parameter", "calculatedParameter"}:
+            return "tunable" if self.tunable else "fixed"
+        return "continuous" if self.type == "real" else "discrete"
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +125,7 @@ class Model:
     ``ideal`` holds the values of the parameters at which everything without a derivative is gone;
     ``"window"`` stands for the window that velocities are then estimated over. ``damped`` holds
     values that bring the model to rest where it would rest anyway.
+    ``retunes``: the model has copies of tunable parameters in its state, and ``model_retune``.
     """
 
     name: str
@@ -128,6 +138,7 @@ class Model:
     default_step: float = 1 / 1024
     work_bytes: int = 0
     state_ends_in_table: bool = False
+    retunes: bool = False
     state: tuple[Kept, ...] = ()
     linear: bool = False
     ideal: Mapping[str, float | int | str] = field(default_factory=dict[str, float | int | str])

@@ -66,7 +66,7 @@ class PacedLoop:
             name = f"{call.component}.{call.method}"
             if name not in self._names:
                 self._names.append(name)
-            handler = guarded(program, components[call.component], call)
+            handler = guarded(program, components, call)
             self._handlers[operation] = (handler, self._names.index(name))
 
     def run(self, end: int, pacer: Pacer, wish: Wish) -> KernelOutcome:
@@ -80,6 +80,7 @@ class PacedLoop:
         work.begin(self._names)
         advance, address = library().kernel_run, ctypes.addressof(kernel)
         clock, handlers, call = time.monotonic_ns, self._handlers, int(KernelOutcome.CALL)
+        asked = program.turning.asked
         first = tick = int(kernel.tick)
         pacer.start(tick)
         while tick < end and not wish.is_made:
@@ -87,6 +88,8 @@ class PacedLoop:
             # One packet a tick at most: fates for half a block last half a block of ticks.
             if tick == first or tick % (BLOCK // 2) == 0:
                 program.packets.draw()
+            if asked:
+                program.turning.turn_as_asked(tick)
             self._open(tick)
             models, since = 0, clock()
             try:

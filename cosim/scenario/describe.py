@@ -35,6 +35,11 @@ def describe(scenario: Scenario) -> dict[str, Any]:
         "components": {name: _component(part) for name, part in scenario.components.items()},
         "channels": {name: _channel(channel) for name, channel in scenario.channels.items()},
         "connections": [_connection(connection) for connection in scenario.connections],
+        "knobs": [str(knob.target) for knob in scenario.knobs],
+        "events": [
+            {"tick": event.tick, "target": str(event.target), "value": event.value}
+            for event in scenario.events
+        ],
     }
 
 

@@ -162,6 +162,35 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class KnobRange:
+    """Something that may be turned while the scenario runs, and between which values.
+
+    ``target`` is a component's tunable parameter, or ``forward.delay`` and the like of a channel.
+    """
+
+    target: Reference
+    minimum: Value | None = None
+    """``None``: what its component or channel says itself."""
+    maximum: Value | None = None
+    written: tuple[PathKey, ...] = field(default=(), compare=False, repr=False)
+    """Where it is in the document, for what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """A knob that is turned at a tick: the first thing that is done in it.
+
+    A channel's value is in SI units: a delay of whole ticks (s), a jitter (s), a probability.
+    """
+
+    tick: int
+    target: Reference
+    value: Value
+    written: tuple[PathKey, ...] = field(default=(), compare=False, repr=False)
+    """Where it is in the document, for what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
     """A complete, checked scenario. Make one with :func:`cosim.scenario.load`."""
 
@@ -183,6 +212,10 @@ class Scenario:
     components: Mapping[str, ScenarioComponent]
     channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
     connections: tuple[Connection, ...] = ()
+    knobs: tuple[KnobRange, ...] = ()
+    """What may be turned while it runs, besides what events and connections turn."""
+    events: tuple[Event, ...] = ()
+    """What is turned while it runs, in the order of their ticks."""
     record: tuple[Record, ...] = ()
     expect: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
     """Acceptance conditions by signal; their names belong to the record."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from itertools import groupby
 from typing import Any, cast
 
 from cosim.base.document.yaml_writer import write_yaml
 from cosim.base.quantities.quantity import format_exact
+from cosim.scenario.build.dials import written
 from cosim.scenario.impairments.impairment import Impairment
 from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.model import (
@@ -15,10 +17,14 @@ from cosim.scenario.model import (
     Connection,
     Delay,
     Direction,
+    Event,
     Kind,
+    KnobRange,
     Record,
+    Reference,
     Scenario,
     ScenarioComponent,
+    Value,
 )
 
 
@@ -50,7 +56,35 @@ def to_document(scenario: Scenario) -> dict[str, Any]:
         "realtime": _plain(scenario.realtime),
         "link": _plain(scenario.link),
     }
+    if scenario.knobs:
+        document["knobs"] = {str(knob.target): _knob(scenario, knob) for knob in scenario.knobs}
+    if scenario.events:
+        document["events"] = [
+            _events_at(scenario, tick, list(events))
+            for tick, events in groupby(scenario.events, lambda event: event.tick)
+        ]
     return document
+
+
+def _events_at(scenario: Scenario, tick: int, events: list[Event]) -> dict[str, Any]:
+    turned = {str(event.target): _setting(scenario, event.target, event.value) for event in events}
+    return {"at": _ticks(tick), "set": turned}
+
+
+def _knob(scenario: Scenario, knob: KnobRange) -> dict[str, Any]:
+    bounds = {"minimum": knob.minimum, "maximum": knob.maximum}
+    return {
+        name: _setting(scenario, knob.target, bound)
+        for name, bound in bounds.items()
+        if bound is not None
+    }
+
+
+def _setting(scenario: Scenario, target: Reference, value: Value) -> Any:
+    if target.component not in scenario.channels:
+        return _plain(value)
+    assert isinstance(value, float)
+    return written(target.path.partition(".")[2], value, scenario.base_rate)
 
 
 def _component(part: ScenarioComponent) -> dict[str, Any]:

@@ -92,6 +92,7 @@ class _Splitter:
         self.dropped: list[str] = []
 
     def split(self) -> Half:
+        self._refuse_turned_channels()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
             if bundle.channel is not None:
                 self._cross(number, bundle)
@@ -107,6 +108,8 @@ class _Splitter:
             components=kept,
             channels=self.channels,
             connections=tuple(self.connections),
+            knobs=tuple(k for k in self.scenario.knobs if k.target.component in kept),
+            events=tuple(e for e in self.scenario.events if e.target.component in kept),
             record=tuple(self._records(kept)),
             expect={
                 name: wanted
@@ -115,6 +118,15 @@ class _Splitter:
             },
         )
         return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
+
+    def _refuse_turned_channels(self) -> None:
+        """A link between two machines is as it is; what a channel simulates can be turned."""
+        for channel, dials in self.assembly.knobs.dials().items():
+            raise InputError(
+                f"{self.scenario.name} turns {channel}.{min(dials)}, and between stations "
+                f"{channel} is a real link, which nothing here can turn; run it with 'cohaptic "
+                f"run', or take what turns {channel} out of 'events', 'knobs' and 'connections'"
+            )
 
     def _components(self) -> dict[str, ScenarioComponent]:
         own = {

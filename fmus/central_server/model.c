@@ -30,6 +30,8 @@ typedef struct {
     WaveEnd wave[PEERS][PEER_FINGERS];
 } Tick;
 
+void model_retune(const Variables *v, State *s) { environment_tune(v, &s->world); }
+
 const char *model_initialise(Variables *v, State *s, Report *r)
 {
     if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";

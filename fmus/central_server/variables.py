@@ -50,6 +50,7 @@ MODEL = Model(
         ),
         *environment.environment_outputs(_CLIENTS),
     ),
+    retunes=True,
     state=(
         *kept.station_state(),
         *kept.world_state(),

@@ -21,12 +21,18 @@ typedef struct {
 
 _Static_assert(sizeof(Evaluation) <= MODEL_WORK_BYTES, "raise Model.work_bytes");
 
-const char *model_initialise(Variables *v, State *s, Report *r)
+void model_retune(const Variables *v, State *s)
 {
-    if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";
+    environment_tune(v, &s->world);
     s->world.coupling = (Coupling){v->coupling_stiffness,            v->coupling_damping,
                                    v->coupling_rotational_stiffness, v->coupling_rotational_damping,
                                    v->coupling_force_limit,          v->coupling_torque_limit};
+}
+
+const char *model_initialise(Variables *v, State *s, Report *r)
+{
+    if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";
+    model_retune(v, s);
     const char *wrong = station_set_up(v, &s->station, &s->own, r);
     s->station.deadband.predicted = v->predictor == PREDICTOR_LINEAR;
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);

@@ -44,6 +44,7 @@ MODEL = Model(
         *environment.environment_outputs(_PEERS),
     ),
     work_bytes=6144,
+    retunes=True,
     state=(*kept.station_state(), *kept.packet_state("sent"), *kept.world_state()),
     ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(

@@ -197,6 +197,12 @@ Status instance_evaluate(Instance *i)
     return OK;
 }
 
+void instance_retune(Instance *i)
+{
+    instance_clear_work(i);
+    model_retune((const Variables *)i->cells, i->state);
+}
+
 Status instance_exit_initialisation(Instance *i, const char *function)
 {
     Status status = instance_expect(i, function, PHASE_INITIALISATION);

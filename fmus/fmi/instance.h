@@ -7,7 +7,7 @@
 
 /* The generated description: one entry per slot; what is inside a string has TYPE_NONE. */
 typedef enum { TYPE_NONE, TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_ENUMERATION, TYPE_STRING } Type;
-typedef enum { ACCESS_PARAMETER, ACCESS_INPUT, ACCESS_COMPUTED } Access;
+typedef enum { ACCESS_PARAMETER, ACCESS_TUNABLE, ACCESS_INPUT, ACCESS_COMPUTED } Access;
 
 typedef union {
     double real;
@@ -100,6 +100,7 @@ Status instance_setup(Instance *i, const char *function, double start_time, bool
 Status instance_enter_initialisation(Instance *i, const char *function);
 Status instance_exit_initialisation(Instance *i, const char *function);
 Status instance_evaluate(Instance *i);
+void instance_retune(Instance *i); /* after a tunable parameter was set between two steps */
 Status instance_step(Instance *i, const char *function, double t, double h);
 Status instance_terminate(Instance *i, const char *function);
 Status instance_reset(Instance *i, const char *function);

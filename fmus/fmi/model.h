@@ -33,6 +33,11 @@ size_t model_state_used(const State *s);
    In initialisation mode it is also called on a scratch state whenever outputs are asked for. */
 const char *model_initialise(Variables *v, State *s, Report *r);
 
+/* Between two steps tunable parameters were set: take over into *s what model_initialise has worked
+   out of them. Their limits are those of the description. Models that read them where they use them
+   (all but those with Model.retunes) get one that does nothing. */
+void model_retune(const Variables *v, State *s);
+
 /* Outputs and locals into *v, a pure function of (*s, the inputs and parameters in *v): it may be
    called any number of times, or not at all, between two steps. */
 void model_outputs(Variables *v, const State *s);

@@ -89,16 +89,29 @@ static Status check_set(Instance *i, const char *function, Type type, const uint
                                      function, element->name);
         if (element->access == ACCESS_PARAMETER && (i->clock.phase & before) == 0)
             return instance_complain(i, ERROR,
-                                     "%s: '%s' is a parameter; it can be set only before the "
+                                     "%s: '%s' is a fixed parameter; it can be set only before the "
                                      "simulation starts.",
                                      function, element->name);
     }
     return OK;
 }
 
+/* After values were set: outputs are to be computed again, and what follows from parameters. */
+static void note_set(Instance *i, const uint32_t vr[], size_t n)
+{
+    i->is_outdated = true;
+    if (i->clock.phase != PHASE_STEP)
+        return; /* initialisation works everything out */
+    for (size_t k = 0; k < n; ++k)
+        if (model_elements[vr[k]].access == ACCESS_TUNABLE) {
+            instance_retune(i);
+            return;
+        }
+}
+
 static Status check_range(Instance *i, const char *function, const Element *element, double value)
 {
-    const bool limited = element->access == ACCESS_PARAMETER || element->type == TYPE_BOOLEAN ||
+    const bool limited = element->access <= ACCESS_TUNABLE || element->type == TYPE_BOOLEAN ||
                          element->type == TYPE_ENUMERATION;
     if (__builtin_expect(!isfinite(value), 0))
         return instance_complain(i, ERROR, "%s: '%s' cannot be set to %g; give a finite number.",
@@ -139,7 +152,7 @@ Status set_reals(Instance *i, const char *function, const uint32_t vr[], size_t 
     for (size_t k = 0; k < n; ++k)
         for (size_t j = 0; j < length_of(i, vr[k]); ++j)
             i->cells[vr[k] + j].real = *values++;
-    i->is_outdated = true;
+    note_set(i, vr, n);
     return OK;
 }
 
@@ -197,7 +210,7 @@ Status set_integers(Instance *i, const char *function, Type type, const uint32_t
     for (size_t k = 0; k < n; ++k)
         for (size_t j = 0; j < length_of(i, vr[k]); ++j)
             i->cells[vr[k] + j].integer = load(values, width, index++);
-    i->is_outdated = true;
+    note_set(i, vr, n);
     return OK;
 }
 
@@ -240,6 +253,6 @@ Status set_strings(Instance *i, const char *function, const uint32_t vr[], size_
             memset(target, 0, STRING_BYTES);
             memcpy(target, *values, text_length(*values));
         }
-    i->is_outdated = true;
+    note_set(i, vr, n);
     return OK;
 }

@@ -51,6 +51,7 @@ MODEL = Model(
             description="Damping b_c of the force -b_c v, sampled from the object's own velocity "
             "and held over a step; a negative one compensates damping that the network adds",
             causality="parameter",
+            tunable=True,
             unit="N.s/m",
             start=0.0,
         ),
@@ -58,6 +59,7 @@ MODEL = Model(
             name="wall_stiffness",
             description="Stiffness of a wall that the object stays in contact with; 0: no wall",
             causality="parameter",
+            tunable=True,
             unit="N/m",
             start=0.0,
             minimum=0.0,
@@ -66,6 +68,7 @@ MODEL = Model(
             name="wall_damping",
             description="Damping of that wall",
             causality="parameter",
+            tunable=True,
             unit="N.s/m",
             start=0.0,
             minimum=0.0,

@@ -51,13 +51,19 @@ FORCE_MODE = Enumeration(
 
 
 def _pair(
-    name: str, description: str, unit: str, causality: Causality = "parameter"
+    name: str,
+    description: str,
+    unit: str,
+    causality: Causality = "parameter",
+    *,
+    tunable: bool = False,
 ) -> ModelVariable:
     settable = causality in {"parameter", "input"}
     return ModelVariable(
         name=name,
         description=description,
         causality=causality,
+        tunable=tunable,
         unit=unit,
         size=2,
         start=0.0 if settable else None,
@@ -139,6 +145,7 @@ MODEL = Model(
             name="impedance",
             description="How stiffly the user holds on to the reference",
             causality="parameter",
+            tunable=True,
             type="enumeration",
             enumeration=IMPEDANCE,
             start=2,
@@ -147,6 +154,7 @@ MODEL = Model(
             name="stiffness",
             description="Stiffness of the hand on each axis where impedance is custom",
             causality="parameter",
+            tunable=True,
             unit="N/m",
             size=2,
             start=0.0,
@@ -156,6 +164,7 @@ MODEL = Model(
             name="damping",
             description="Damping of the hand on each axis where impedance is custom",
             causality="parameter",
+            tunable=True,
             unit="N.s/m",
             size=2,
             start=0.0,
@@ -211,7 +220,7 @@ MODEL = Model(
             size=2,
             start=0,
         ),
-        _pair("force_amplitude", "Its size", "N"),
+        _pair("force_amplitude", "Its size", "N", tunable=True),
         _pair("force_frequency", "Angular frequency of a sine", "rad/s"),
         _pair("force_phase", "Phase of a sine at its start", "rad"),
         _pair("force_start_time", "When a step or sine begins", "s"),

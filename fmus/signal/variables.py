@@ -19,9 +19,16 @@ MODE = Enumeration(
 )
 
 
-def _number(name: str, description: str, unit: str, start: float) -> ModelVariable:
+def _number(
+    name: str, description: str, unit: str, start: float, *, tunable: bool = False
+) -> ModelVariable:
     return ModelVariable(
-        name=name, description=description, causality="parameter", unit=unit, start=start
+        name=name,
+        description=description,
+        causality="parameter",
+        tunable=tunable,
+        unit=unit,
+        start=start,
     )
 
 
@@ -43,8 +50,8 @@ MODEL = Model(
             enumeration=MODE,
             start=0,
         ),
-        _number("amplitude", "What the mode's shape is multiplied by", "", 1.0),
-        _number("offset", "What is added", "", 0.0),
+        _number("amplitude", "What the mode's shape is multiplied by", "", 1.0, tunable=True),
+        _number("offset", "What is added", "", 0.0, tunable=True),
         _number("frequency", "Angular frequency of the sine", "rad/s", 1.0),
         _number("phase", "Phase of the sine at start_time", "rad", 0.0),
         _number("start_time", "When step, sine, minimum jerk or table begin", "s", 0.0),

@@ -12,10 +12,12 @@ from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.connections import wire
 from cosim.master.assembly.copies import differing_copies
 from cosim.master.assembly.files import with_files
+from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.layout import Layout, lay_out
 from cosim.master.assembly.plan import Part, Plan, Planner
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.selection import describe_groups, select_recorded
+from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Signal, Wiring
 from cosim.master.components.isolation import isolate
 from cosim.master.components.participants import (
@@ -36,6 +38,7 @@ class Assembly:
     participants: Mapping[str, Participant]
     parts: Mapping[str, Part]
     wiring: Wiring
+    knobs: Knobs
     plan: Plan
     layout: Layout
     groups: tuple[RecordGroup, ...]
@@ -66,8 +69,9 @@ def put_together(
     isolated = isolate(participants, scenario)
     scenario = with_files(scenario, participants)
     of_rates = follow_rates(scenario, participants, problems)
-    interfaces = {name: each.interface for name, each in participants.items()}
-    wiring = wire(scenario, interfaces, problems)
+    knobs = read_knobs(scenario, participants, problems)
+    interfaces = {name: each.interface for name, each in participants.items()} | knobs.channels
+    wiring = wire(scenario, interfaces, knobs, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
     if only is not None:
         selected = [kept for group in selected if (kept := group.only(only)).signals]
@@ -79,17 +83,26 @@ def put_together(
     }
     recorded = {s for group in selected for s in group.signals.values() if isinstance(s, Signal)}
     outputs, local = _read_variables(participants, wiring, recorded)
-    planner = Planner(parts, wiring, outputs, local, tuple(group.period for group in selected))
+    planner = Planner(
+        parts,
+        wiring,
+        outputs,
+        local,
+        tuple(group.period for group in selected),
+        knobs.dials(),
+    )
     with problems.at(("connections",)):
         plan = planner.plan()
         clock.hyperperiod(action.period for action in plan.every)
-        layout = lay_out(parts, wiring, plan)
+        variables = {name: knob.variable for name, knob in knobs.all.items()}
+        layout = lay_out(parts, wiring, plan, variables)
         return Assembly(
             scenario=scenario,
             clock=clock,
             participants=participants,
             parts=parts,
             wiring=wiring,
+            knobs=knobs,
             plan=plan,
             layout=layout,
             groups=tuple(describe_groups(scenario, interfaces, selected)),
@@ -119,9 +132,11 @@ def _read_variables(
     outputs: dict[str, set[str]] = {}
     local: dict[str, set[str]] = {}
     for signal in sources | recorded:
+        if signal.component not in participants:
+            continue  # a dial of a channel
         interface = participants[signal.component].interface
         causality = interface.variables[signal.variable].causality
-        if causality is Causality.INPUT:
+        if causality is Causality.INPUT or signal.variable in interface.knobs:
             continue
         # An FMU without feedthrough is read before its inputs are set, whatever is read.
         early = causality is Causality.OUTPUT or not interface.feedthrough

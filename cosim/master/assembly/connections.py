@@ -10,6 +10,7 @@ from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from cosim.base.quantities.units import Unit, conversion
 from cosim.base.suggest import did_you_mean
+from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.wiring import (
     Bundle,
     Entry,
@@ -23,6 +24,7 @@ from cosim.master.assembly.wiring import (
 from cosim.master.channels.fates import Fates, fates_of
 from cosim.master.components.interface import Element, Interface, Selection
 from cosim.scenario import Connection, Direction, Kind, Scenario
+from cosim.scenario.build.dials import targets_of
 
 _AGE = {"age": "ticks since the held packet was sampled", "sequence": "number of the held packet"}
 _PACKET_UNIT = Unit("1", (0,) * 8)
@@ -44,6 +46,7 @@ class _Pair:
 class _Wirer:
     scenario: Scenario
     interfaces: Mapping[str, Interface]
+    knobs: Knobs
     problems: Problems
     wiring: Wiring = field(default_factory=Wiring)
     bundles: dict[tuple[str, str, int], int] = field(
@@ -75,6 +78,9 @@ class _Wirer:
             self.wiring.wires.append(Wire(source, pair.target, gain, offset, from_integer))
 
     def _pairs(self, connection: Connection) -> Iterator[_Pair]:
+        if connection.target.component in self.scenario.channels:
+            yield from self._to_channel(connection)
+            return
         target = self._interface(connection.target.component)
         selected = target.select(connection.target.path)
         if connection.source.component in self.scenario.channels:
@@ -91,6 +97,27 @@ class _Wirer:
                 target.variables[here.variable],
                 target.unit(here.variable),
             )
+
+    def _to_channel(self, connection: Connection) -> Iterator[_Pair]:
+        """What turns a channel: one value, perhaps for both directions."""
+        channel = self.scenario.channels[connection.target.component]
+        dials = targets_of(channel, connection.target.path)
+        if any((channel.name, dial) not in self.knobs.all for dial in dials):
+            raise _Known(channel.name)
+        source = self._interface(connection.source.component)
+        origin = source.select(connection.source.path)
+        target = self.knobs.channels[channel.name]
+        for dial in dials:
+            selected = target.select(dial)
+            for there, here in _match(connection, source, origin, target, selected):
+                yield _Pair(
+                    Signal(source.component, there.variable, there.index),
+                    source.variables[there.variable],
+                    source.unit(there.variable),
+                    Signal(channel.name, here.variable, here.index),
+                    target.variables[here.variable],
+                    target.unit(here.variable),
+                )
 
     def _from_packet(self, connection: Connection, target: Interface, selected: Selection) -> _Pair:
         fact = self.packet_fact(connection.source.component, connection.source.path)
@@ -136,6 +163,8 @@ class _Wirer:
         raise InputError(f"there is no component '{component}'.{hint}")
 
     def _bundle(self, connection: Connection) -> int | None:
+        if connection.target.component in self.scenario.channels:
+            return None
         components = self.scenario.components
         there = components.get(connection.source.component)
         here = components[connection.target.component]
@@ -163,7 +192,14 @@ class _Wirer:
         key = (channel.name, way, period)
         if key not in self.bundles:
             rate = self.scenario.base_rate / period
-            fates = fates_of(self.scenario.seed, channel.name, way, rate, channel.direction(*ends))
+            fates = fates_of(
+                self.scenario.seed,
+                channel.name,
+                way,
+                rate,
+                channel.direction(*ends),
+                extremes=self.knobs.extremes(channel.name, way),
+            )
             name = f"{channel.name}.{way}"
             if period != channel.period:
                 name += f" at {float(rate):g} Hz"
@@ -275,16 +311,21 @@ def _known_by_name_only(pair: _Pair) -> str:
 
 
 class _Known(InputError):
-    """A component that could not be loaded: its own error has been reported."""
+    """What an end names could not be read: its own error has been reported."""
 
-    def __init__(self, component: str) -> None:
-        super().__init__(component)
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
 
 
-def wire(scenario: Scenario, interfaces: Mapping[str, Interface], problems: Problems) -> Wiring:
-    """Resolve and check every connection; what is wrong goes to ``problems`` with its place."""
+def wire(
+    scenario: Scenario, interfaces: Mapping[str, Interface], knobs: Knobs, problems: Problems
+) -> Wiring:
+    """Resolve and check every connection; what is wrong goes to ``problems`` with its place.
+
+    ``interfaces`` are those of components, and of channels that are turned.
+    """
     problems.ignore(_Known)
-    return _Wirer(scenario, interfaces, problems).run()
+    return _Wirer(scenario, interfaces, knobs, problems).run()
 
 
 def _match(
@@ -346,7 +387,7 @@ _READABLE = {Causality.OUTPUT}
 
 def _check_input(connection: Connection, target: Interface, element: Element) -> None:
     causality = target.variables[element.variable].causality
-    if causality is not Causality.INPUT:
+    if causality is not Causality.INPUT and element.variable not in target.knobs:
         raise InputError(f"{connection}: {connection.target} is {_a(causality)}, not an input")
 
 

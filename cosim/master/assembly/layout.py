@@ -6,9 +6,10 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from cosim.base.component import Variable
 from cosim.master.assembly.plan import Act, Part, Plan
 from cosim.master.assembly.wiring import Held, Signal, Source, Wiring
-from cosim.master.components.interface import has_cells, size_of
+from cosim.master.components.interface import size_of
 
 
 @dataclass(slots=True)
@@ -16,6 +17,8 @@ class Layout:
     """The first cell of each variable and of what each bundle holds."""
 
     cells: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
+    wanted: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
+    """Of what may be turned: the first cell of what it shall be; ``cells`` has what is in force."""
     held: list[int] = field(default_factory=list[int])
     age: list[int] = field(default_factory=list[int])
     sequence: list[int] = field(default_factory=list[int])
@@ -29,16 +32,30 @@ class Layout:
             return self.held[source.bundle] + source.index
         return (self.age if source.name == "age" else self.sequence)[source.bundle]
 
+    def into(self, target: Signal) -> int:
+        """The cell that a connection's value goes to."""
+        name = (target.component, target.variable)
+        return self.wanted.get(name, self.cells[name]) + target.index
+
     def owner(self, cell: int) -> tuple[str, str, int]:
         """Component, variable and element behind a variable's cell."""
-        firsts = list(self.cells.values())
+        known = self.wanted if self.wanted and cell >= min(self.wanted.values()) else self.cells
+        firsts = list(known.values())
         number = bisect_right(firsts, cell) - 1
-        component, variable = list(self.cells)[number]
+        component, variable = list(known)[number]
         return component, variable, cell - firsts[number]
 
 
-def lay_out(parts: Mapping[str, Part], wiring: Wiring, plan: Plan) -> Layout:
-    """Give every value its cell; variables that are set or got together lie side by side."""
+def lay_out(
+    parts: Mapping[str, Part],
+    wiring: Wiring,
+    plan: Plan,
+    knobs: Mapping[tuple[str, str], Variable],
+) -> Layout:
+    """Give every value its cell; variables that are set or got together lie side by side.
+
+    ``knobs`` are what may be turned, by component or channel.
+    """
     layout = Layout()
 
     def place(component: str, names: Iterable[str]) -> None:
@@ -49,14 +66,21 @@ def lay_out(parts: Mapping[str, Part], wiring: Wiring, plan: Plan) -> Layout:
             layout.count += size_of(variables[name])
 
     for action in plan.every:
-        if action.act in {Act.SET, Act.GET} and isinstance(action.unit, str):
-            place(action.unit, (str(name) for name in action.names))
+        if action.act in {Act.SET, Act.GET} and action.unit in parts:
+            place(str(action.unit), (str(name) for name in action.names))
     for component, part in sorted(parts.items()):
-        variables = part.interface.variables.values()
-        place(component, (variable.name for variable in variables if has_cells(variable)))
+        interface = part.interface
+        place(component, (name for name in interface.variables if interface.lives_in_cells(name)))
+    for (owner, name), variable in knobs.items():
+        if (owner, name) not in layout.cells:
+            layout.cells[owner, name] = layout.count
+            layout.count += size_of(variable)
     for bundle in wiring.bundles:
         layout.held.append(layout.count)
         layout.age.append(layout.count + len(bundle.entries))
         layout.sequence.append(layout.count + len(bundle.entries) + 1)
         layout.count += len(bundle.entries) + 2
+    for name, variable in knobs.items():
+        layout.wanted[name] = layout.count
+        layout.count += size_of(variable)
     return layout

@@ -29,6 +29,7 @@ class Act(Enum):
     GET = auto()
     HOLD = auto()
     SAMPLE = auto()
+    TUNE = auto()
     WRITE = auto()
     SEND = auto()
     RECORD = auto()
@@ -39,8 +40,9 @@ class Act(Enum):
 class Action:
     """Something done every ``period`` ticks.
 
-    ``unit`` is a component, or the number of a bundle or record group; ``names`` are the inputs
-    of a SET, the outputs of a GET, the held elements of a HOLD or SAMPLE.
+    ``unit`` is a component, the number of a bundle or record group, or a channel that is turned;
+    ``names`` are the inputs of a SET (and what is turned), the outputs of a GET, the held elements
+    of a HOLD or SAMPLE, the dials of a TUNE.
     """
 
     act: Act
@@ -92,12 +94,17 @@ class Planner:
     locals: Mapping[str, tuple[str, ...]]
     """Further variables that are only recorded."""
     record_periods: tuple[int, ...]
+    dials: Mapping[str, Mapping[str, int]] = field(default_factory=dict[str, Mapping[str, int]])
+    """What may be turned of a channel, and after how many ticks it can come into force."""
     connected: dict[str, set[str]] = field(init=False, default_factory=dict[str, set[str]])
     """The input variables that something drives, by component."""
 
     def __post_init__(self) -> None:
         for wire in self.wiring.wires:
             self.connected.setdefault(wire.target.component, set()).add(wire.target.variable)
+        for name, part in self.parts.items():
+            if part.interface.knobs:
+                self.connected.setdefault(name, set()).update(part.interface.knobs)
 
     def plan(self) -> Plan:
         """Order everything.
@@ -124,6 +131,7 @@ class Planner:
             initial=[
                 *self._evaluation(initial, at_start=True, initially=True),
                 *self._remaining(initial, initially=True),
+                *self._wanted(),
             ],
             first=self._tick(first, at_start=True),
             every=self._tick(every, at_start=False),
@@ -138,7 +146,12 @@ class Planner:
         return stages
 
     def _tick(self, stages: list[Stage], *, at_start: bool) -> list[Action]:
-        actions = [Action(Act.DELIVER, number, 1) for number in range(len(self.wiring.bundles))]
+        actions = [
+            Action(Act.TUNE, channel, period, (dial,))
+            for channel, dials in sorted(self.dials.items())
+            for dial, period in sorted(dials.items())
+        ]
+        actions += [Action(Act.DELIVER, number, 1) for number in range(len(self.wiring.bundles))]
         actions += [
             Action(Act.READ, name, part.period)
             for name, part in sorted(self.parts.items())
@@ -158,6 +171,7 @@ class Planner:
             Action(Act.GET, name, self.parts[name].period, names)
             for name, names in sorted(self.locals.items())
         ]
+        actions += self._wanted()
         actions += [
             Action(Act.RECORD, number, period) for number, period in enumerate(self.record_periods)
         ]
@@ -221,6 +235,14 @@ class Planner:
                 actions.append(Action(Act.SET, name, part.period, tuple(sorted(left))))
         return actions
 
+    def _wanted(self) -> list[Action]:
+        """What components put out for channels, which go by it from the next tick on."""
+        return [
+            Action(Act.SET, channel, 1, tuple(sorted(self.connected[channel])))
+            for channel in sorted(self.dials)
+            if channel in self.connected
+        ]
+
     def lagging(self) -> list[str]:
         """Connections into components whose outputs answer one of their steps late.
 
@@ -231,7 +253,8 @@ class Planner:
             {
                 connection
                 for target, connection in self.wiring.connection_of.items()
-                if (part := self.parts[target.component]).is_fmu
+                if (part := self.parts.get(target.component)) is not None
+                and part.is_fmu
                 and not part.interface.feedthrough
                 and any(
                     variable.causality is Causality.OUTPUT

@@ -59,8 +59,8 @@ def select_recorded(
 ) -> list[Selected]:
     """The groups of recorded signals, the fastest first.
 
-    A pattern takes outputs, connected inputs and facts about packets; any other variable is
-    recorded where it is named exactly, or as an array, terminal or group.
+    A pattern takes outputs, connected inputs, what may be turned and facts about packets; any
+    other variable is recorded where it is named exactly, or as an array, terminal or group.
     """
     if not scenario.record:
         return []
@@ -99,12 +99,19 @@ def _variables(
     scenario: Scenario, interfaces: Mapping[str, Interface], driven: set[Signal]
 ) -> Iterator[_Candidate]:
     for component, interface in sorted(interfaces.items()):
-        period = scenario.components[component].period
+        period = _period(scenario, component)
         for name, element in interface.elements.items():
             causality = interface.variables[element.variable].causality
             signal = Signal(component, element.variable, element.index)
-            usual = causality is Causality.OUTPUT or signal in driven
+            is_turned = element.variable in interface.knobs
+            usual = causality is Causality.OUTPUT or is_turned or signal in driven
             yield _Candidate(f"{component}.{name}", signal, period, usual)
+
+
+def _period(scenario: Scenario, name: str) -> int:
+    """That of a component; of a channel, that of its packets."""
+    component = scenario.components.get(name)
+    return scenario.channels[name].period if component is None else component.period
 
 
 def _packet_facts(scenario: Scenario, wiring: Wiring) -> Iterator[_Candidate]:

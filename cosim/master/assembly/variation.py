@@ -13,7 +13,9 @@ from dataclasses import replace
 from cosim.base.document.problems import Problems
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.files import with_files
+from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.rates import follow_rates
+from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Bundle, Wiring
 from cosim.master.channels.fates import fates_of
 from cosim.master.components.participants import Participant, other_values
@@ -33,9 +35,10 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
     before = assembly.scenario
     if any(getattr(before, name) != getattr(scenario, name) for name in _STRUCTURE):
         return None
+    if before.knobs != scenario.knobs or _turned(before) != _turned(scenario):
+        return None
     changed = _changed(before, scenario)
-    bundles = _bundles(assembly.wiring, scenario)
-    if changed is None or bundles is None:
+    if changed is None:
         return None
     problems = Problems(scenario.root)
     participants = dict(assembly.participants)
@@ -59,11 +62,18 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
         follow_rates(scenario, others, problems)
     else:
         scenario = replace(scenario, components=before.components)
+    knobs = Knobs(scenario, participants)
+    if assembly.knobs.all:
+        knobs = read_knobs(scenario, participants, problems)
     problems.raise_if_any()
+    bundles = _bundles(assembly.wiring, scenario, knobs)
+    if bundles is None or knobs.ranges() != assembly.knobs.ranges():
+        return None
     return replace(
         assembly,
         scenario=scenario,
         participants=participants,
+        knobs=knobs,
         wiring=replace(assembly.wiring, bundles=bundles),
     )
 
@@ -94,11 +104,16 @@ def _ways(scenario: Scenario) -> list[Channel]:
     return [replace(each, forward=nothing, backward=nothing) for each in scenario.channels.values()]
 
 
+def _turned(scenario: Scenario) -> set[str]:
+    """What events turn: it has cells, and is recorded."""
+    return {str(event.target) for event in scenario.events}
+
+
 def _values(component: ScenarioComponent) -> tuple[Mapping[str, object], Mapping[str, object]]:
     return component.parameters, component.start
 
 
-def _bundles(wiring: Wiring, scenario: Scenario) -> list[Bundle] | None:
+def _bundles(wiring: Wiring, scenario: Scenario, knobs: Knobs) -> list[Bundle] | None:
     """The bundles with the fates that the scenario gives them; ``None`` for another order."""
     bundles: list[Bundle] = []
     for bundle in wiring.bundles:
@@ -108,7 +123,14 @@ def _bundles(wiring: Wiring, scenario: Scenario) -> list[Bundle] | None:
         channel = scenario.channels[bundle.channel]
         direction = channel.forward if bundle.way == "forward" else channel.backward
         rate = scenario.base_rate / bundle.period
-        fates = fates_of(scenario.seed, channel.name, bundle.way, rate, direction)
+        fates = fates_of(
+            scenario.seed,
+            channel.name,
+            bundle.way,
+            rate,
+            direction,
+            extremes=knobs.extremes(channel.name, bundle.way),
+        )
         other = replace(bundle, fates=fates)
         if other.can_be_immediate != bundle.can_be_immediate:
             return None

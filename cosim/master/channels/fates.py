@@ -30,7 +30,10 @@ class Fates:
     """What one direction of a channel does to its packets at one rate; each run draws by itself."""
 
     direction: Direction
+    """As it is written; a stream may be turned to another one."""
     key: int
+    extremes: tuple[Direction, ...] = ()
+    """The direction with everything that may be turned at its least, and at its most."""
 
     @property
     def shortest(self) -> int:
@@ -45,30 +48,19 @@ class Fates:
     @property
     def is_constant(self) -> bool:
         """Whether every packet arrives, all with the same delay."""
-        return not self.direction.impairments
+        return not any(each.impairments for each in (self.direction, *self.extremes))
 
     def begin(self) -> FateStream:
         """The stream from its first packet on."""
         return FateStream(self)
 
-    def effects(self) -> list[tuple[str, Effect]]:
-        """The impairments with their names, in the order in which they act."""
-        return sorted(
-            self.direction.impairments.items(), key=lambda entry: (entry[1].order, entry[0])
-        )
-
-    def draws(self) -> list[Draw]:
-        """Every impairment's draw at its first packet, in that order."""
-        return [effect.draw(self._key(name, effect)) for name, effect in self.effects()]
-
-    def _key(self, name: str, effect: Effect) -> int:
-        return stream_key(self.key, name) if effect.own_key else self.key
+    def draw(self, name: str, effect: Effect) -> Draw:
+        """An impairment's draw at its first packet."""
+        return effect.draw(stream_key(self.key, name) if effect.own_key else self.key)
 
     def _range(self) -> tuple[int, int]:
-        shortest = longest = self.direction.delay.ticks
-        for _, effect in self.effects():
-            shortest, longest = effect.range(shortest, longest)
-        return shortest, longest
+        ranges = [_range_of(each) for each in (self.direction, *self.extremes)]
+        return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 
 class FateStream:
@@ -77,16 +69,17 @@ class FateStream:
     Blocks must be asked for in order: what is drawn may depend on earlier packets.
     """
 
-    __slots__ = ("_draws", "_next", "fates")
+    __slots__ = ("_direction", "_draws", "_next", "fates")
 
     def __init__(self, fates: Fates) -> None:
         self.fates = fates
+        self._direction = fates.direction
         self._draws: list[Draw] = []
         self._next = 0
 
     def save(self) -> dict[str, Any]:
         """How many packets were drawn, and what their draws remember, by impairment."""
-        kept = zip(self.fates.effects(), self._draws, strict=False)
+        kept = zip(_effects(self._direction), self._draws, strict=False)
         return {
             "next": self._next,
             "draws": {name: draw.save() for (name, _), draw in kept if isinstance(draw, Resumable)},
@@ -102,8 +95,8 @@ class FateStream:
         self._next = 0
         if drawn == 0:
             return
-        self._draws = self.fates.draws()
-        named = list(zip(self.fates.effects(), self._draws, strict=True))
+        self._begin()
+        named = list(zip(_effects(self._direction), self._draws, strict=True))
         forgetful = [
             name
             for (name, effect), draw in named
@@ -112,22 +105,64 @@ class FateStream:
         while forgetful and self._next < drawn:
             self.take(min(drawn - self._next, _AGAIN))
         self._next = drawn
-        for (name, _), draw in zip(self.fates.effects(), self._draws, strict=True):
+        for (name, _), draw in zip(_effects(self._direction), self._draws, strict=True):
             if isinstance(draw, Resumable):
                 draw.load(kept[name])
+
+    def turn(self, direction: Direction, packet: int | None = None) -> None:
+        """Draw by another direction, from a packet on or from the one that is next.
+
+        A draw that remembers earlier packets draws them once more: of what it remembers nothing
+        depends on what may be turned.
+        """
+        self._direction = direction
+        if packet is None:
+            return
+        self._next = 0
+        if any(effect.remembers for _, effect in _effects(direction)):
+            while self._next < packet:
+                self.take(min(packet - self._next, _AGAIN))
+        elif packet:
+            self._begin()
+            self._next = packet
 
     def take(self, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The delays (ticks, -1 lost) of the next packets and of their copies (-1 none)."""
         if self._next == 0:
-            self._draws = self.fates.draws()
+            self._begin()
         first, self._next = self._next, self._next + count
-        delays = np.full(count, self.fates.direction.delay.ticks, dtype=np.int64)
+        delays = np.full(count, self._direction.delay.ticks, dtype=np.int64)
         packets = PacketBlock(first, delays, np.full(count, NO_COPY, dtype=np.int64))
         for draw in self._draws:
             draw(packets)
         return packets.delays, packets.copies
 
+    def _begin(self) -> None:
+        effects = _effects(self._direction)
+        self._draws = [self.fates.draw(name, effect) for name, effect in effects]
 
-def fates_of(seed: int, channel: str, way: str, rate: Fraction, direction: Direction) -> Fates:
+
+def _effects(direction: Direction) -> list[tuple[str, Effect]]:
+    """The impairments with their names, in the order in which they act."""
+    return sorted(direction.impairments.items(), key=lambda entry: (entry[1].order, entry[0]))
+
+
+def _range_of(direction: Direction) -> tuple[int, int]:
+    shortest = longest = direction.delay.ticks
+    for _, effect in _effects(direction):
+        shortest, longest = effect.range(shortest, longest)
+    return shortest, longest
+
+
+def fates_of(
+    seed: int,
+    channel: str,
+    way: str,
+    rate: Fraction,
+    direction: Direction,
+    *,
+    extremes: tuple[Direction, ...] = (),
+) -> Fates:
     """The stream of one direction (``forward`` or ``backward``) of a channel at one rate (Hz)."""
-    return Fates(direction=direction, key=stream_key(seed, channel, way, str(rate)))
+    key = stream_key(seed, channel, way, str(rate))
+    return Fates(direction=direction, key=key, extremes=extremes)

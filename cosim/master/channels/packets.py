@@ -13,6 +13,7 @@ from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.wiring import Bundle
 from cosim.master.channels.fates import NO_COPY, FateStream
 from cosim.master.kernel.native import BundleStruct
+from cosim.scenario import Direction
 
 BLOCK = 1024
 """Packets whose fates are drawn at a time; no chunk of ticks may send more."""
@@ -77,6 +78,22 @@ class Packets:
             if struct.sequence == 0:  # initialisation mode asks whether packet 0 has no delay
                 delay = self._fates[number][0][0] if number in self._fates else struct.delay
                 struct.immediate = int(bundle.can_be_immediate and delay == 0)
+
+    def turn(self, number: int, direction: Direction) -> None:
+        """What is sent from now on goes by another direction; what flies keeps its fate."""
+        struct = self.structs[number]
+        stream = self._streams[number]
+        stream.turn(direction, struct.sequence)
+        struct.delay = direction.delay.ticks
+        if number in self._fates:
+            for table, drawn in zip(self._fates[number], stream.take(BLOCK), strict=True):
+                table[:BLOCK] = drawn
+            struct.fate_first, struct.fate_count = struct.sequence, BLOCK
+
+    def take_back(self, number: int, direction: Direction) -> None:
+        """The direction that is in force where a snapshot goes on; ``load`` comes next."""
+        self._streams[number].turn(direction)
+        self.structs[number].delay = direction.delay.ticks
 
     def save(self, number: int) -> tuple[dict[str, Any], dict[str, NDArray[np.int64]]]:
         """A bundle's counters and what its draws remember; its packets and drawn fates."""

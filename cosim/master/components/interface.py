@@ -63,6 +63,8 @@ class Interface:
     units: Mapping[str, Unit] = field(default_factory=dict[str, Unit])
     skipped: frozenset[str] = frozenset()
     """Variables of the FMU that have values in event mode alone."""
+    knobs: set[str] = field(default_factory=set[str], init=False)
+    """The tunable parameters that may be turned in this run: connected and recorded as inputs."""
     elements: dict[str, Element] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -73,11 +75,21 @@ class Interface:
             for name, element in variable_elements(variable)
         }
 
+    def make_knob(self, variable: str) -> None:
+        """A tunable parameter may be turned."""
+        self.knobs.add(variable)
+        self.elements.update(variable_elements(self.variables[variable]))
+
+    def lives_in_cells(self, variable: str) -> bool:
+        """Whether the variable's values live in cells: a signal, or a parameter that is turned."""
+        return variable in self.knobs or has_cells(self.variables[variable])
+
     def outputs_depend_on(self, output: str, *, initially: bool = False) -> Sequence[str]:
         """The inputs that an output depends on within a tick (or also in initialisation mode)."""
         if not self.feedthrough:
             return ()
-        direct = self.dependencies.get(output, ())
+        # What depends on which parameter no description says (FMI 3.0, section 2.4.8): all do.
+        direct = (*self.dependencies.get(output, ()), *sorted(self.knobs))
         if not initially:
             return direct
         return tuple(dict.fromkeys((*direct, *self.initial_dependencies.get(output, ()))))
@@ -97,14 +109,14 @@ class Interface:
             InputError: there is nothing of that name.
         """
         variable = self.variables.get(path)
-        if variable is not None and not has_cells(variable) and path in self.terminals:
+        if variable is not None and not self.lives_in_cells(path) and path in self.terminals:
             variable = None  # a parameter beside a terminal of the same name
-        if variable is not None and not has_cells(variable):
+        if variable is not None and not self.lives_in_cells(path):
             what = variable.causality if variable.causality not in _SIGNALS else variable.type
             raise InputError(
-                f"{self.component}.{path} is of causality or type '{what}'; only inputs, outputs "
-                "and local variables that are numbers, booleans or enumerations can be connected "
-                "or recorded"
+                f"{self.component}.{path} is of causality or type '{what}'; only inputs, outputs, "
+                "local variables and tunable parameters that are numbers, booleans or enumerations "
+                "can be connected or recorded"
             )
         if variable is not None:
             members = {
@@ -165,6 +177,15 @@ class Interface:
 def has_cells(variable: Variable) -> bool:
     """Whether the variable's values live in cells: a signal that is neither text nor binary."""
     return variable.type not in _WITHOUT_CELL and variable.causality in _SIGNALS
+
+
+def is_tunable(variable: Variable) -> bool:
+    """Whether it is a parameter that may change between two steps (FMI 3.0, section 2.4.7.4)."""
+    return (
+        variable.causality is Causality.PARAMETER
+        and variable.variability == "tunable"
+        and variable.type not in _WITHOUT_CELL
+    )
 
 
 def size_of(variable: Variable) -> int:

@@ -60,7 +60,7 @@ typedef struct {
 
 static int64_t outside(const Operation *op)
 {
-    const Range *ranges = op->table;
+    const Range *ranges = op->kind == KIND_SET ? op->table : NULL; /* tune() has judged */
     for (int64_t i = 0; ranges && i < op->cell_count; i++)
         if (op->cells[i].integer < ranges[i].low || op->cells[i].integer > ranges[i].high)
             return i;
@@ -145,7 +145,7 @@ Outcome get_values(Kernel *kernel, const Operation *op, void *instance, int64_t 
 
 Outcome set_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
 {
-    if (op->kind == KIND_SET_FLOAT64)
+    if (op->type == TYPE_FLOAT64)
         return judge(kernel, call(op, instance, op->cells), warnings);
     int64_t misfit = outside(op);
     if (misfit < 0)

@@ -88,6 +88,9 @@ static Outcome execute(Kernel *kernel)
             if (!record(&kernel->records[op->owner], cells, op->table, op->cell_count))
                 outcome = OUTCOME_OVERFLOW;
             break;
+        case KIND_TUNE:
+            outcome = tune(kernel, op);
+            break;
         default:
             break;
         }
@@ -113,6 +116,7 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end)
             kernel->running = kernel->tick == 0 ? kernel->first_program
                                                 : kernel->pattern[kernel->phase];
             kernel->position = 0;
+            apply_changes(kernel);
         }
         Outcome outcome = execute(kernel);
         if (outcome != OUTCOME_DONE)

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 4 };
+enum { KERNEL_ABI = 5 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -46,7 +46,8 @@ typedef enum {
     KIND_DELIVER = 8,
     KIND_SAMPLE = 9,
     KIND_SEND = 10,
-    KIND_RECORD = 11
+    KIND_RECORD = 11,
+    KIND_TUNE = 12
 } Kind;
 
 /* The type behind KIND_SET and KIND_GET. */
@@ -79,6 +80,23 @@ typedef struct {
     double offset;
 } Conversion;
 
+/* What may be turned (KIND_TUNE): the cells of what is wanted, and how far it may go. Those of the
+   operation hold what is in force. */
+typedef struct {
+    const Cell *wanted;
+    double minimum;
+    double maximum;
+    int64_t is_real; /* the cells hold doubles */
+    int64_t by_call; /* Python carries the change out */
+} Knob;
+
+/* An event: a cell gets a value when a tick begins. */
+typedef struct {
+    int64_t tick;
+    int64_t cell;
+    Cell value;
+} Change;
+
 typedef struct {
     int32_t kind;
     int32_t owner; /* instance, bundle, record or component that is called, by kind */
@@ -90,7 +108,8 @@ typedef struct {
     Cell *cells;        /* first cell of a set or get */
     int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
     void *scratch;      /* room for cell_count values of `type` */
-    const void *table;  /* pairs of int32 (from, to), Conversions, int32 columns, or Ranges (set) */
+    /* pairs of int32 (from, to), Conversions, int32 columns, Ranges (set), or a Knob (tune) */
+    const void *table;
 } Operation;
 
 /* An FMU instance and its constant step. */
@@ -152,6 +171,9 @@ typedef struct {
     Record *records;
     int64_t tick_numerator; /* a tick is tick_numerator / tick_denominator seconds */
     int64_t tick_denominator;
+    const Change *changes; /* in the order of their ticks */
+    int64_t change_count;
+    int64_t next_change;
 
     int64_t float_mode; /* how the processor has to compute */
 
@@ -235,6 +257,9 @@ typedef int (*Step3)(void *instance, double time, double step, bool no_set_state
 Outcome get_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome set_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
 Outcome do_step(Kernel *kernel, Instance *instance);
+
+void apply_changes(Kernel *kernel);
+Outcome tune(Kernel *kernel, const Operation *operation);
 
 void deliver(Bundle *bundle, int64_t tick);
 bool send_packet(Bundle *bundle, const Cell *cells, int64_t tick);

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 4
+ABI = 5
 
 
 class KernelOutcome(IntEnum):
@@ -42,6 +42,7 @@ class OperationKind(IntEnum):
     SAMPLE = 9
     SEND = 10
     RECORD = 11
+    TUNE = 12
 
 
 TYPE_CODES = {
@@ -78,6 +79,24 @@ class ConversionStruct(ctypes.Structure):
         ("gain", c_double),
         ("offset", c_double),
     ]
+
+
+class KnobStruct(ctypes.Structure):
+    """``Knob``."""
+
+    _fields_ = [
+        ("wanted", c_void_p),
+        ("minimum", c_double),
+        ("maximum", c_double),
+        ("is_real", c_int64),
+        ("by_call", c_int64),
+    ]
+
+
+class ChangeStruct(ctypes.Structure):
+    """``Change``; the value's eight bytes are kept as a whole number."""
+
+    _fields_ = [("tick", c_int64), ("cell", c_int64), ("value", c_int64)]
 
 
 class OperationStruct(ctypes.Structure):
@@ -168,6 +187,9 @@ class KernelStruct(ctypes.Structure):
         ("records", c_void_p),
         ("tick_numerator", c_int64),
         ("tick_denominator", c_int64),
+        ("changes", c_void_p),
+        ("change_count", c_int64),
+        ("next_change", c_int64),
         ("float_mode", c_int64),
         ("tick", c_int64),
         ("phase", c_int64),

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Cells, Variable, VariableType
 from cosim.master.assembly.clock import Clock
+from cosim.master.assembly.knobs import Knob, Name
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.plan import Act, Action, Part, Plan, due_together
 from cosim.master.assembly.wiring import Wire, Wiring
 from cosim.master.channels.packets import Packets
+from cosim.master.channels.turning import TurnedChannels, dials_of
 from cosim.master.components.interface import size_of
 from cosim.master.kernel.native import (
     FMI2_TYPE_CODES,
@@ -29,6 +31,7 @@ from cosim.master.kernel.native import (
     OperationStruct,
     RecordStruct,
 )
+from cosim.master.kernel.turning import Turning
 
 INITIAL = 0
 """The number of the program of initialisation mode."""
@@ -66,10 +69,11 @@ class Native(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call-out to a Python component."""
+    """A call-out to a Python component, or to ``forward`` or ``backward`` of a turned channel."""
 
     component: str
     method: str
+    is_channel: bool = False
 
 
 class Program:
@@ -81,7 +85,9 @@ class Program:
         wiring: Wiring,
         layout: Layout,
         clock: Clock,
+        *,
         kernel: KernelStruct | None = None,
+        knobs: Mapping[Name, Knob] | None = None,
     ) -> None:
         self.parts = parts
         self.wiring = wiring
@@ -89,6 +95,11 @@ class Program:
         self.clock = clock
         self.cells: NDArray[np.int64] = np.zeros(max(layout.count, 1), dtype=np.int64)
         self.packets = Packets(wiring.bundles, layout, self.cells)
+        self.turning = Turning(knobs or {}, layout, self.cells)
+        dials = dials_of([name for name in self.turning.knobs if name[0] not in parts], layout)
+        self.channels = TurnedChannels(
+            self.packets, clock.base_rate, self.cells.view(np.float64), dials
+        )
         self.kernel = KernelStruct() if kernel is None else kernel
         self.actions: list[Action] = []
         """The action behind each operation."""
@@ -142,6 +153,7 @@ class Program:
         self.wiring = wiring
         self.cells[:] = 0
         self.packets = Packets(wiring.bundles, self.layout, self.cells)
+        self.channels.packets = self.packets
         kernel = self.kernel
         kernel.bundles = ctypes.addressof(self.packets.structs)
         kernel.tick = kernel.phase = kernel.position = kernel.status = 0
@@ -221,7 +233,14 @@ class Program:
         elif action.act is Act.SET:
             yield from self._copies(unit, action.names)
             if unit in self._natives:
-                yield from self._accesses(unit, action.names, is_set=True)
+                set_always = [
+                    name for name in action.names if (unit, name) not in self.turning.knobs
+                ]
+                yield from self._accesses(unit, set_always, is_set=True)
+            if unit in self.parts:
+                yield from self._tunes(unit, action.names)
+        elif action.act is Act.TUNE:
+            yield from self._tunes(unit, action.names)
         elif unit in self._natives:
             if action.act is Act.GET:
                 yield from self._accesses(unit, action.names, is_set=False)
@@ -253,7 +272,7 @@ class Program:
     def _copies(self, unit: str, names: Iterable[str | int]) -> Iterable[OperationStruct]:
         wires = [wire for name in names for wire in self._wires.get((unit, str(name)), [])]
         pairs = [
-            (self.layout.of(wire.source), self.layout.of(wire.target))
+            (self.layout.of(wire.source), self.layout.into(wire.target))
             for wire in wires
             if wire.is_plain
         ]
@@ -267,7 +286,7 @@ class Program:
                 *(
                     ConversionStruct(
                         self.layout.of(wire.source),
-                        self.layout.of(wire.target),
+                        self.layout.into(wire.target),
                         wire.from_integer,
                         wire.gain,
                         wire.offset,
@@ -335,6 +354,18 @@ class Program:
         table = np.array(limits, dtype=np.int64)
         self._keep.append(table)
         return table.ctypes.data
+
+    def _tunes(self, unit: str, names: Iterable[str | int]) -> Iterable[OperationStruct]:
+        """One operation for each of the variables that may be turned."""
+        for name in map(str, names):
+            if (unit, name) not in self.turning.knobs:
+                continue
+            is_channel = unit not in self.parts
+            if is_channel:
+                way = name.partition(".")[0]
+                self.calls[len(self._operations)] = Call(unit, way, is_channel=True)
+            native, owner = self._natives.get(unit), self._numbers.get(unit, 0)
+            yield self.turning.operation((unit, name), native, owner, by_call=is_channel)
 
     def _with_table(
         self, kind: OperationKind, table: NDArray[np.int32], count: int, *, owner: int = 0

@@ -118,6 +118,8 @@ def put_back(
     try:
         for name, fmu in fmus.items():
             fmu.load_state(arrays[f"fmu.{name}"].tobytes())
+        program.cells[:] = arrays["cells"]
+        program.channels.take_back()
         for number, saved in enumerate(values["bundles"]):
             prefix = f"bundle.{number}."
             tables = {
@@ -128,7 +130,7 @@ def put_back(
             program.packets.load(number, saved, tables)
         program.set_warnings(values["warnings"])
         kernel.phase, kernel.tick = int(values["phase"]) % int(kernel.hyperperiod), snapshot.tick
-        program.cells[:] = arrays["cells"]
+        program.turning.go_on(kernel, snapshot.tick)
         for name, component in components.items():
             if isinstance(component, Resumable):
                 with sentences(name, "in load"):

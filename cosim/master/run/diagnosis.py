@@ -11,7 +11,7 @@ from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.isolation.isolated import GONE
 from cosim.master.fmu.log import STATUS_NAMES
-from cosim.master.kernel.native import KernelOutcome
+from cosim.master.kernel.native import KernelOutcome, OperationKind
 from cosim.master.kernel.program import Program
 
 _DID = {
@@ -84,10 +84,23 @@ def _out_of_range(program: Program, when: str) -> str:
             f"{2**63 - 1}"
         )
     value = cell.view(np.float64)[0] if kind.is_float else cell[0]
+    if program.kernel.kind == OperationKind.TUNE:
+        return _beyond_a_knob(program, float(value), when)
     if items := _described(program).items:
         words = ", ".join(f"{word} ({number})" for word, number in items.items())
         return f"{_variable(program)} cannot take {value} at {when}: it is one of {words}"
     return f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}"
+
+
+def _beyond_a_knob(program: Program, value: float, when: str) -> str:
+    component, variable, _ = program.layout.owner(program.kernel.cell)
+    knob = program.turning.knobs[component, variable]
+    unit = f" {knob.variable.unit}" if knob.variable.unit not in {None, "", "1"} else ""
+    driver = f" by {knob.connection}" if knob.connection else ""
+    return (
+        f"{component}.{variable} was turned to {value:g}{unit}{driver} at {when}: it goes from "
+        f"{knob.minimum:g}{unit} to {knob.maximum:g}{unit}"
+    )
 
 
 def _variable(program: Program) -> str:
@@ -102,4 +115,6 @@ def _type(program: Program) -> VariableType:
 
 def _described(program: Program) -> Variable:
     component, variable, _ = program.layout.owner(program.kernel.cell)
+    if (component, variable) in program.turning.knobs:
+        return program.turning.knobs[component, variable].variable
     return program.parts[component].interface.variables[variable]

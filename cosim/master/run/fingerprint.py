@@ -66,7 +66,14 @@ def _plan(assembly: Assembly) -> Iterator[Any]:
     for actions in (assembly.plan.initial, assembly.plan.first, assembly.plan.every):
         yield [_action(action) for action in actions]
     layout = assembly.layout
-    yield list(layout.cells.items()), layout.held, layout.age, layout.sequence, layout.count
+    yield (
+        list(layout.cells.items()),
+        list(layout.wanted.items()),
+        layout.held,
+        layout.age,
+        layout.sequence,
+        layout.count,
+    )
     yield assembly.wiring.wires
     for name, each in assembly.participants.items():
         yield name, each.period, each.substeps
@@ -82,7 +89,8 @@ def _bundle(bundle: Bundle) -> tuple[Any, ...]:
     fates = bundle.fates
     effects = [(name, _effect(e)) for name, e in sorted(fates.direction.impairments.items())]
     delay = fates.direction.delay.ticks
-    return bundle.name, bundle.way, bundle.period, bundle.entries, fates.key, delay, effects
+    room = fates.shortest, fates.longest
+    return bundle.name, bundle.way, bundle.period, bundle.entries, fates.key, delay, effects, room
 
 
 def _effect(effect: Any) -> Any:

@@ -6,7 +6,7 @@ measure it puts out as NaN on purpose; nothing may be connected to that.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -17,12 +17,17 @@ from cosim.master.kernel.program import Call, Program
 from cosim.master.run.diagnosis import moment
 
 
-def guarded(program: Program, component: Component, call: Call) -> Callable[[int], None]:
-    """The call of one of the component's methods, refusing a NaN among the outputs after it.
+def guarded(
+    program: Program, components: Mapping[str, Component], call: Call
+) -> Callable[[int], None]:
+    """What a call-out does: a channel that is turned, or the method of a component.
 
     Raises, when called:
-        RunError: an output became NaN.
+        RunError: an output of the component became NaN.
     """
+    if call.is_channel:
+        return lambda _: program.channels.carry_out((call.component, call.method))
+    component = components[call.component]
     handler: Callable[[int], None] = getattr(component, call.method)
     interface = program.parts[call.component].interface
     numbers = [

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from types import TracebackType
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ from cosim.master.run import checkpoint
 from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
+from cosim.master.run.replay import with_events
 from cosim.master.run.snapshot import Snapshot
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.scenario import Kind, Scenario
@@ -121,7 +122,8 @@ class Simulation:
             assembly.wiring,
             assembly.layout,
             assembly.clock,
-            self._whereabouts.kernel,
+            kernel=self._whereabouts.kernel,
+            knobs=assembly.knobs.all,
         )
         self.outcome = Outcome(ticks=0, wall_time=0.0, interrupted=False)
         """What was reached, also after an error."""
@@ -252,6 +254,7 @@ class Simulation:
         self._restored = None
         self.assembly = assembly
         self.program.rewind(assembly.wiring)
+        self.program.turning.rewind(assembly.knobs.all)
 
     def start(self, until: int | None = None) -> None:
         """Start every component; then ``advance``, ``snapshot`` and ``restore`` as often as wanted.
@@ -273,6 +276,28 @@ class Simulation:
             RunError: an FMU returned an error status, put out NaN, or a component failed.
         """
         self._repeat(tick, None)
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Turn knobs of the scenario from the next tick on; all of them, or none.
+
+        Keys and values are those of an event: ``{"coupler.stiffness": "400 N/m", "lan.delay": 2}``.
+        May be called from any thread. ``replay`` has what was turned, and when.
+
+        Raises:
+            InputError: there is no such knob, a connection drives it, or it does not go so far.
+        """
+        knobs = self.assembly.knobs
+        found = [
+            entry for key, value in values.items() for entry in knobs.judge(key, value).items()
+        ]
+        for name, _ in found:
+            if driver := knobs.all[name].connection:
+                raise InputError(f"{'.'.join(name)} is driven by {driver}")
+        self.program.turning.asked.extend((name, tuple(elements)) for name, elements in found)
+
+    def replay(self) -> Scenario:
+        """The scenario with everything that ``set`` turned as events: it gives the same run."""
+        return with_events(self.scenario, self.assembly.knobs, self.program.turning.by_hand)
 
     def snapshot(self) -> Snapshot:
         """The state between two ticks: after ``start``, or in one of ``run``'s pauses.
@@ -364,6 +389,7 @@ class Simulation:
         self._fill_start_values()
         self._create_fmus(told)
         self._compile(recorded=recorded)
+        self.program.turning.write_events(self.program.kernel, self.assembly.knobs.turns)
         self._start_components(told, rehearsal=rehearsal is not None)
         for name, fmu in self._fmus.items():
             told(name, "entering initialisation mode")
@@ -491,6 +517,8 @@ class Simulation:
                 }
                 for causality in ("input", "output")
             }
+            for turned in sorted(participant.interface.knobs):
+                views["input"][turned] = self.program.view(name, turned)
             told(name, "being initialised")
             self._whereabouts.note(name, "its initialisation")
             begin = component.rehearse if rehearsal else component.initialise
@@ -500,6 +528,7 @@ class Simulation:
     def _fill_start_values(self) -> None:
         """The cells before anything is computed; kept for the next run, if it starts from them."""
         start = {name: each.start for name, each in self.assembly.participants.items()}
+        start["knobs"] = {".".join(name): k.start for name, k in self.assembly.knobs.all.items()}
         if self._start_cells is not None and self._start_cells[0] == start:
             self.program.cells[:] = self._start_cells[1]
             return
@@ -512,6 +541,7 @@ class Simulation:
                 if has_cells(variable):
                     values = participant.start.get(variable.name) or element_start(variable)
                     self.program.view(name, variable.name).reshape(-1)[:] = values
+        self.program.turning.fill_start_values()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
             held = self.assembly.layout.held[number]
             for index, entry in enumerate(bundle.entries):
@@ -566,6 +596,7 @@ class Simulation:
 
     def _run_chunk(self, first: int, stop: int, sink: Sink | None) -> None:
         self.program.packets.draw()
+        self.program.turning.turn_as_asked(first)
         if sink is not None:
             self._open_rows(first, stop, sink)
         try:
@@ -586,8 +617,7 @@ class Simulation:
         operation = int(self.program.kernel.operation)
         call = self.program.calls[operation]
         if operation not in self._handlers:
-            component = self._components[call.component]
-            self._handlers[operation] = guarded(self.program, component, call)
+            self._handlers[operation] = guarded(self.program, self._components, call)
         with sentences(call.component, f"in {call.method} at {moment(self.program)}"):
             self._handlers[operation](int(self.program.kernel.tick))
 

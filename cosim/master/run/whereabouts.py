@@ -18,6 +18,7 @@ _KERNEL_DID = {
     OperationKind.SET_FLOAT64: "while its inputs were set",
     OperationKind.GET: "while its outputs were read",
     OperationKind.GET_FLOAT64: "while its outputs were read",
+    OperationKind.TUNE: "while a parameter was turned",
     OperationKind.STEP: "in its step",
     OperationKind.CALL: "in a method of its class",
 }

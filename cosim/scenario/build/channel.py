@@ -61,13 +61,17 @@ def _delays(form: ChannelForm, timebase: Timebase, period: int) -> tuple[Delay, 
     if form.each_way_delay is not None:
         each = timebase.delay(form.each_way_delay, period)
         return each, each
-    total = timebase.delay(form.round_trip_delay or NO_DELAY, period)
+    return halves(timebase.delay(form.round_trip_delay or NO_DELAY, period), period)
+
+
+def halves(total: Delay, period: int) -> tuple[Delay, Delay]:
+    """A round trip there and back: forward gets the larger half."""
     if total.samples is not None:
         there, back = (total.samples + 1) // 2, total.samples // 2
         return (
             Delay(ticks=there * period, samples=there),
             Delay(ticks=back * period, samples=back),
         )
-    halves = ((total.ticks + 1) // 2, total.ticks // 2)
-    longer, shorter = (Delay(ticks=t, samples=None if t else 0) for t in halves)
+    parts = ((total.ticks + 1) // 2, total.ticks // 2)
+    longer, shorter = (Delay(ticks=t, samples=None if t else 0) for t in parts)
     return longer, shorter

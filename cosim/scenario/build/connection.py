@@ -29,6 +29,9 @@ def build_connection(
         hint = did_you_mean(form.via, context.names("channels"))
         context.problems.add((*path, "via"), f"there is no channel '{form.via}'.{hint}")
         return None
+    if form.target.component in context.names("channels"):
+        turned = channels.get(form.target.component)
+        return None if turned is None else _to_channel(context, path, form, turned, components)
     source, target = components.get(form.source.component), components.get(form.target.component)
     is_about = form.source.component not in context.names("components")
     about = channels.get(form.source.component) if is_about else None
@@ -75,12 +78,12 @@ def check_signal(context: Context, path: tuple[PathKey, ...], name: str) -> None
 
 
 def _check_ends(context: Context, path: tuple[PathKey, ...], form: ConnectionForm) -> bool:
-    """Whether both ends name something; a channel may be a source, never a target."""
+    """Whether both ends name something."""
     components, channels = context.names("components"), context.names("channels")
     is_known = True
     for key, end, sections in (
         ("from", form.source, (components, channels)),
-        ("to", form.target, (components,)),
+        ("to", form.target, (components, channels)),
     ):
         if not any(end.component in section for section in sections):
             is_known = False
@@ -119,6 +122,36 @@ def _check_stations(
         message += f"; add 'via {joining[0]}'." if joining else ", and none joins them."
     context.problems.add((*path, "via"), message)
     return False
+
+
+def _to_channel(
+    context: Context,
+    path: tuple[PathKey, ...],
+    form: ConnectionForm,
+    channel: Channel,
+    components: Mapping[str, ScenarioComponent],
+) -> Connection | None:
+    """A connection that turns a channel's delay, jitter or loss."""
+    source = components.get(form.source.component)
+    if source is None:
+        if form.source.component in context.names("channels"):
+            message = f"{_text(form)}: what turns a channel is an output of a component."
+            context.problems.add((*path, "from"), message)
+        return None
+    if source.station not in channel.between:
+        message = (
+            f"{_text(form)} goes from the station {source.station}, which is no end of "
+            f"{channel.name}; it joins {' and '.join(channel.between)}."
+        )
+        context.problems.add((*path, "from"), message)
+    for key in ("via", "rate", "delay"):
+        if getattr(form, key) is not None:
+            message = f"{_text(form)} turns a channel; leave '{key}' out."
+            context.problems.add((*path, key), message)
+    if form.initial != "source":
+        message = f"{_text(form)} turns a channel, which has no 'start'; leave 'initial' out."
+        context.problems.add((*path, "initial"), message)
+    return Connection(source=form.source, target=form.target)
 
 
 def _check_about(

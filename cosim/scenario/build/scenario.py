@@ -17,15 +17,19 @@ from cosim.scenario.build.component import build_component
 from cosim.scenario.build.connection import build_connection, check_signal
 from cosim.scenario.build.context import Context
 from cosim.scenario.build.timebase import Timebase, check_base_rate, choose_base_rate, hertz
+from cosim.scenario.build.turning import build_events, build_knobs
 from cosim.scenario.form.document import Document, document_form
 from cosim.scenario.form.sections import Forms, plain, written_in
 from cosim.scenario.model import Channel, Connection, Record, Scenario, ScenarioComponent
 from cosim.scenario.source.notation import components_in
 
-SECTIONS = ("components", "channels", "rates", "connections", "record", "expect")
+SECTIONS = (
+    *("components", "channels", "rates", "connections"),
+    *("knobs", "events", "record", "expect"),
+)
 """Sections whose members are checked one by one, so that one bad member hides no other."""
 
-LISTS = ("connections", "record")
+LISTS = ("connections", "events", "record")
 
 PLACEHOLDERS: dict[str, Any] = {"cohaptic": 1, "duration": 1, "components": {}}
 """Stand in for required keys that are missing or wrong while the rest is checked."""
@@ -50,6 +54,8 @@ def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
     components = _components(context)
     channels = _channels(context, components)
     connections = _connections(context, components, channels)
+    knobs = build_knobs(context, channels)
+    events = build_events(context, channels, timebase.ticks(document.duration))
     record = _record(context)
     for signal in document.expect:
         for component in components_in(signal):
@@ -69,6 +75,8 @@ def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
         components=components,
         channels=channels,
         connections=connections,
+        knobs=knobs,
+        events=events,
         record=record,
         expect={signal: plain(conditions) for signal, conditions in document.expect.items()},
         safety=plain(document.safety),

@@ -32,8 +32,10 @@ from cosim.scenario.form.fields import (
     Rate,
     Seconds,
     Signal,
+    SignalName,
 )
 from cosim.scenario.form.sections import Chosen, Forms, all_of
+from cosim.scenario.form.turning import EventForm, KnobForm
 from cosim.scenario.source.merge import KINDS
 from cosim.scenario.source.notation import NotationError, parse_connection
 
@@ -195,6 +197,12 @@ class Document(Form):
     )
     connections: list[ConnectionEntry] = Field(
         default_factory=list[ConnectionEntry], description="Outputs to inputs."
+    )
+    knobs: dict[SignalName, KnobForm | None] = Field(
+        default_factory=dict, description="What may be turned while it runs, and how far."
+    )
+    events: list[EventForm] = Field(
+        default_factory=list[EventForm], description="What is turned while it runs, and when."
     )
     record: list[
         Annotated[

@@ -69,7 +69,8 @@ def _to_rate(value: Any) -> Fraction | str:
     return value if isinstance(value, str) and is_name(value) else _to_hertz(value)
 
 
-def _to_lag(value: Any) -> Lag:
+def to_lag(value: Any) -> Lag:
+    """A delay as written: whole samples, whole base ticks, or a time."""
     text = value if isinstance(value, str) else None
     try:
         number, unit = split_quantity(text) if text is not None else (None, None)
@@ -93,11 +94,26 @@ def _to_lag(value: Any) -> Lag:
     return lag
 
 
+def to_instant(value: Any) -> Lag:
+    """A time since the start as written: seconds, or whole base ticks."""
+    try:
+        unit = split_quantity(value)[1] if isinstance(value, str) else None
+    except QuantityError:
+        unit = None
+    if unit in {"tick", "ticks"}:
+        return to_lag(value)
+    seconds = _number(value, "s", "time, such as 2 (seconds), '250 ms' or '64 ticks'")
+    if not 0 <= seconds <= MAX_SECONDS:
+        raise problem(f"{value} is out of range: at least 0 s and at most {MAX_SECONDS} s.")
+    return Lag(seconds, "s")
+
+
 def _to_packet(value: Any) -> Lag | None:
-    return None if value == "lost" else _to_lag(value)
+    return None if value == "lost" else to_lag(value)
 
 
-def _to_probability(value: Any) -> float:
+def to_probability(value: Any) -> float:
+    """A probability as written: a number from 0 to 1, or a percentage."""
     number = _number(value, "1", "probability from 0 to 1, such as 0.2 or '20 %'")
     if not 0 <= number <= 1:
         raise problem(f"{value} is not a probability: it is from 0 to 1 ('20 %' is 0.2).")
@@ -188,8 +204,17 @@ Rate = Annotated[
 ]
 Delay = Annotated[
     Lag,
-    _plain(_to_lag),
+    _plain(to_lag),
     _schema(_COUNT, _LAG, description="Whole samples (a number), '2 ticks', or a time."),
+]
+Instant = Annotated[
+    Lag,
+    _plain(to_instant),
+    _schema(
+        {"type": "number", "minimum": 0},
+        _text(f"(ticks?|{_SECONDS})?"),
+        description="A time since the start: seconds, '64 ticks', or with a unit.",
+    ),
 ]
 Packet = Annotated[
     Lag | None,
@@ -198,7 +223,7 @@ Packet = Annotated[
 ]
 Probability = Annotated[
     float,
-    _plain(_to_probability),
+    _plain(to_probability),
     _schema(
         {"type": "number", "minimum": 0, "maximum": 1},
         _text("%?"),
@@ -209,6 +234,11 @@ Name = Annotated[str, _plain(_to_name), WithJsonSchema(_PLAIN_NAME)]
 Signal = Annotated[
     Reference,
     _plain(_to_reference),
+    WithJsonSchema({"type": "string", "pattern": f"^{NAME}\\..+$"}),
+]
+SignalName = Annotated[
+    str,
+    _plain(lambda value: str(_to_reference(value))),
     WithJsonSchema({"type": "string", "pattern": f"^{NAME}\\..+$"}),
 ]
 Pattern = Annotated[str, _plain(_to_pattern), WithJsonSchema({"type": "string", "minLength": 1})]

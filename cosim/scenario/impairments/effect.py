@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
@@ -16,6 +18,13 @@ LOST = -1
 
 NO_COPY = -1
 """The delay of a second copy that there is not."""
+
+
+def whole_ticks(seconds: float, base_rate: Fraction) -> int:
+    """A time in base ticks: rounded up, unless it was a whole number of them before rounding."""
+    ticks = seconds * float(base_rate)
+    nearest = round(ticks)
+    return nearest if abs(ticks - nearest) <= _ROUNDED * max(1.0, ticks) else ceil(ticks)
 
 
 @dataclass(slots=True, eq=False)
@@ -43,6 +52,9 @@ class PacketBlock:
         """The packets of a mask, shape (n,), never arrive."""
         self.delays[which] = LOST
 
+
+_ROUNDED = 1e-9
+"""What doubles may have lost of a whole number of ticks, relative to it."""
 
 Draw = Callable[[PacketBlock], None]
 """Draws for the next block. Blocks come in order, of any size, and each packet once: what is drawn

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from cosim.scenario.impairments.effect import Effect
 
@@ -40,6 +40,22 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Dial:
+    """How an impairment is turned by one number while a scenario runs."""
+
+    unit: Literal["s", "1"]
+    """``s``: a time in base ticks, rounded up. ``1``: a probability."""
+    description: str
+    read: Callable[[Effect | None, Fraction], float]
+    """The number that an effect stands for, at a base rate (Hz).
+
+    Raises ``ImpairmentProblem`` for one that is more than a number.
+    """
+    turn: Callable[[Effect | None, float, Fraction], Effect | None]
+    """The effect with another number, at a base rate (Hz); ``None`` where it does nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Impairment:
     """One key of a channel, registered in ``registry.py`` or by an entry point.
 
@@ -58,3 +74,5 @@ class Impairment:
     """Keys of a channel that this stands in place of, ``delay`` for each form of delay."""
     absent: Any = None
     """What says that there is none, in a resolved scenario and for programs; ``None``: nothing."""
+    dial: Dial | None = None
+    """How it is turned while a scenario runs; ``None``: it stays as it is."""

@@ -12,8 +12,19 @@ from pydantic import Discriminator, Field, Tag
 
 from cosim.base.document.form import Form
 from cosim.scenario.form.fields import Delay, Lag, Probability, Span
-from cosim.scenario.impairments.effect import Average, Draw, Effect, PacketBlock
-from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting
+from cosim.scenario.impairments.effect import (
+    Average,
+    Draw,
+    Effect,
+    PacketBlock,
+    whole_ticks,
+)
+from cosim.scenario.impairments.impairment import (
+    Dial,
+    Impairment,
+    ImpairmentProblem,
+    Setting,
+)
 
 MAX_STEPS = 10_000
 ROUNDING = 1e-6
@@ -182,6 +193,26 @@ def _running_sums(weights: Sequence[float]) -> list[float]:
     return sums
 
 
+def _read(effect: Effect | None, base_rate: Fraction) -> float:
+    """The most extra delay (s) of a uniform jitter."""
+    if effect is None:
+        return 0.0
+    assert isinstance(effect, Jitter)
+    if effect.weights != uniform(len(effect.weights) - 1):
+        raise ImpairmentProblem(
+            "its weights are no single number that could be turned; write the most that it is, "
+            "such as 'jitter: 2 ticks'."
+        )
+    return float(effect.describe() / base_rate)
+
+
+def _turn(effect: Effect | None, most: float, base_rate: Fraction) -> Jitter | None:
+    """Uniform up to ``most`` (s), in the steps that it had before, or in base ticks."""
+    step = effect.step if isinstance(effect, Jitter) else 1
+    steps = whole_ticks(most, base_rate) // step
+    return Jitter(step=step, weights=uniform(steps)) if steps else None
+
+
 JITTER = Impairment(
     name="jitter",
     description="Extra delay, uniform from 0 to this.",
@@ -193,4 +224,10 @@ JITTER = Impairment(
     ],
     resolve=_resolve,
     absent=0,
+    dial=Dial(
+        unit="s",
+        description="The most extra delay that is drawn for a packet",
+        read=_read,
+        turn=_turn,
+    ),
 )

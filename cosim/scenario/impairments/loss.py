@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Discriminator, Tag
@@ -10,7 +11,12 @@ from pydantic import Discriminator, Tag
 from cosim.base.document.form import Form, mapping_tag
 from cosim.scenario.form.fields import Probability
 from cosim.scenario.impairments.effect import Average, Draw, Effect, PacketBlock
-from cosim.scenario.impairments.impairment import Impairment, ImpairmentProblem, Setting
+from cosim.scenario.impairments.impairment import (
+    Dial,
+    Impairment,
+    ImpairmentProblem,
+    Setting,
+)
 
 _LOSS, _STATE, _STATIONARY = 1, 2, 5
 """Purposes of the draws: a packet's loss, the chain's move after it, the state it begins in."""
@@ -167,6 +173,23 @@ def _resolve(written: Any, _: Setting) -> Bernoulli | GilbertElliott | None:
     )
 
 
+def _read(effect: Effect | None, _: Fraction) -> float:
+    """The probability of loss of each packet."""
+    if effect is None:
+        return 0.0
+    if not isinstance(effect, Bernoulli):
+        raise ImpairmentProblem(
+            "it comes in bursts, which are no single number that could be turned; write a "
+            "probability, such as 'loss: 2 %'."
+        )
+    return effect.probability
+
+
+def _turn(_: Effect | None, probability: float, __: Fraction) -> Bernoulli | None:
+    """Each packet by itself."""
+    return Bernoulli(probability=probability) if probability else None
+
+
 LOSS = Impairment(
     name="loss",
     description="Probability of loss, or bursts.",
@@ -176,4 +199,10 @@ LOSS = Impairment(
     ],
     resolve=_resolve,
     absent=0.0,
+    dial=Dial(
+        unit="1",
+        description="Probability that a packet is lost",
+        read=_read,
+        turn=_turn,
+    ),
 )

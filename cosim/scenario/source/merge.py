@@ -3,7 +3,8 @@
 Mappings merge member by member, ``~`` removes, everything else replaces. Four places know more:
 
 - a component whose kind changes loses what belonged to the old kind,
-- a removed component or channel takes its connections, recorded signals and expectations along,
+- a removed component or channel takes along its connections and recorded signals, what is expected
+  of it, and what turns it,
 - a channel has one form of delay, so a new form replaces the old one,
 - connections are added, and one into the same input replaces the earlier one.
 """
@@ -188,13 +189,32 @@ def _without_traces_of_removed(root: Node) -> Node:
         if node is not None and isinstance(node.value, list):
             kept = [item for item in node.value if not gone.intersection(_names(item))]
             members[key] = Node(kept, node.place, node.key_place)
-    expect = members.get("expect")
-    if expect is not None and isinstance(expect.value, dict):
-        kept_signals = {
-            key: node for key, node in expect.value.items() if gone.isdisjoint(components_in(key))
-        }
-        members["expect"] = Node(kept_signals, expect.place, expect.key_place)
+    for key in ("expect", "knobs"):
+        if (node := members.get(key)) is not None:
+            members[key] = _without_signals_of(gone, node)
+    events = members.get("events")
+    if events is not None and isinstance(events.value, list):
+        left = [_without_turning(gone, event) for event in events.value]
+        kept = [event for event in left if event is not None]
+        members["events"] = Node(kept, events.place, events.key_place)
     return Node(members, root.place, root.key_place)
+
+
+def _without_signals_of(gone: set[str], node: Node) -> Node:
+    """A mapping by signal, without the signals of what is gone."""
+    if not isinstance(node.value, dict):
+        return node
+    kept = {key: inner for key, inner in node.value.items() if gone.isdisjoint(components_in(key))}
+    return Node(kept, node.place, node.key_place)
+
+
+def _without_turning(gone: set[str], event: Node) -> Node | None:
+    """An event without what it turns of those that are gone; ``None`` where that was all."""
+    turned = event.child("set")
+    if not isinstance(event.value, dict) or turned is None or not turned.value:
+        return event
+    left = _without_signals_of(gone, turned)
+    return Node({**event.value, "set": left}, event.place, event.key_place) if left.value else None
 
 
 def _removed(node: Node | None) -> list[str]:

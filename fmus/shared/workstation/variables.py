@@ -84,12 +84,14 @@ def real(
     minimum: float | None = None,
     size: int | None = None,
     meaning: Meaning | None = None,
+    tunable: bool = False,
 ) -> ModelVariable:
     """A real parameter."""
     return ModelVariable(
         name=name,
         description=description,
         causality="parameter",
+        tunable=tunable,
         unit=unit,
         start=start,
         minimum=minimum,

@@ -15,6 +15,15 @@
  * distance from its centre. */
 #define MEAN_DISTANCE 0.383
 
+/* The couplers and the compensation, which may change while it runs. */
+static void environment_tune(const Variables *v, World *world)
+{
+    world->own_surface = READ_SURFACE(local);
+    world->peer_surface = READ_SURFACE(remote);
+    world->compensation =
+        (Planar){v->compensation.x, v->compensation.y, v->compensation.theta};
+}
+
 static const char *environment_set_up(const Variables *v, World *world, WorldState *state, Report *r)
 {
     if (!(v->mass > 0.0 && v->inertia > 0.0 && v->side > 0.0))
@@ -31,10 +40,7 @@ static const char *environment_set_up(const Variables *v, World *world, WorldSta
                                * v->side / v->inertia,
         .integration = v->integration,
     };
-    world->own_surface = READ_SURFACE(local);
-    world->peer_surface = READ_SURFACE(remote);
-    world->compensation =
-        (Planar){v->compensation.x, v->compensation.y, v->compensation.theta};
+    environment_tune(v, world);
     for (int f = 0; f < FINGERS; f++)
         world->own_limit[f] = v->box_is_pushed_with == PUSH_RENDERED ? v->finger[f].max_force : 0.0;
     for (int f = 0; f < FINGERS; f++)

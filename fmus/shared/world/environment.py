@@ -91,7 +91,14 @@ def _surface(prefix: str, who: str, values: Coupler, source: str) -> tuple[Model
         ("tangential_damping", "Damping along the face while sticking", "N.s/m"),
     )
     return tuple(
-        real(f"{prefix}_{name}", f"{description} of {who}. {source}", unit, value, minimum=0.0)
+        real(
+            f"{prefix}_{name}",
+            f"{description} of {who}. {source}",
+            unit,
+            value,
+            minimum=0.0,
+            tunable=True,
+        )
         for (name, description, unit), value in zip(names, values, strict=True)
     )
 
@@ -137,19 +144,25 @@ def coupler_parameters(
     )
 
 
+def _tuned(name: str, description: str, unit: str, start: float) -> ModelVariable:
+    """A real parameter that may change while it runs."""
+    return real(name, description, unit, start, tunable=True)
+
+
 def coupling_parameters() -> tuple[ModelVariable, ...]:
     """K_o, B_o between copies of the box and the damping compensation."""
     return (
-        real("coupling_stiffness", f"K_o between copies of the box. {OUR_SET}", "N/m", 77.5),
-        real("coupling_damping", f"B_o between copies of the box. {OUR_SET}", "N.s/m", 10.0),
-        real("coupling_rotational_stiffness", f"K_oR between copies. {OUR_SET}", "N.m/rad", 2.2),
-        real("coupling_rotational_damping", f"B_oR between copies. {OUR_SET}", "N.m.s/rad", 0.05),
+        _tuned("coupling_stiffness", f"K_o between copies of the box. {OUR_SET}", "N/m", 77.5),
+        _tuned("coupling_damping", f"B_o between copies of the box. {OUR_SET}", "N.s/m", 10.0),
+        _tuned("coupling_rotational_stiffness", f"K_oR between copies. {OUR_SET}", "N.m/rad", 2.2),
+        _tuned("coupling_rotational_damping", f"B_oR between copies. {OUR_SET}", "N.m.s/rad", 0.05),
         real(
             "coupling_force_limit",
             "Largest force between two copies of the box; 0: none",
             "N",
             0.0,
             minimum=0.0,
+            tunable=True,
         ),
         real(
             "coupling_torque_limit",
@@ -157,6 +170,7 @@ def coupling_parameters() -> tuple[ModelVariable, ...]:
             "N.m",
             0.0,
             minimum=0.0,
+            tunable=True,
         ),
     )
 
@@ -167,9 +181,9 @@ def compensation_group() -> Group:
     return Group(
         "compensation",
         (
-            real("x", f"{text}; x", "N.s/m", 0.0),
-            real("y", f"{text}; y", "N.s/m", 0.0),
-            real("theta", f"{text}; about z", "N.m.s/rad", 0.0),
+            _tuned("x", f"{text}; x", "N.s/m", 0.0),
+            _tuned("y", f"{text}; y", "N.s/m", 0.0),
+            _tuned("theta", f"{text}; about z", "N.m.s/rad", 0.0),
         ),
     )
 

@@ -66,6 +66,11 @@ def joined(**keys: Any) -> dict[str, Any]:
     return {"components": {"b": {"station": "s"}}, "channels": None, "connections": [connection]}
 
 
+def turned(to: dict[str, Any], at: float = 0.01) -> dict[str, Any]:
+    """What is turned, and when."""
+    return {"events": [{"at": at, "set": to}]}
+
+
 FMU = {
     "components": {"a": None, "b": None, "f": {"fmu": "operator", "rate": "fast"}},
     "channels": None,
@@ -101,6 +106,23 @@ CASES: dict[Key, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
     ("Document", "channels"): ({}, lan(each_way_delay=1), lan(each_way_delay=3)),
     ("Document", "connections"): ({}, {}, {"connections": []}),
     ("Document", "record"): ({}, {}, {"record": ["b.y"]}),
+    ("Document", "events"): ({}, {}, turned({"lan.delay": 3})),
+    ("EventForm", "at"): ({}, turned({"lan.delay": 3}), turned({"lan.delay": 3}, at=0.04)),
+    ("EventForm", "set"): ({}, turned({"lan.delay": 3}), turned({"lan.loss": 1})),
+    ("Document", "knobs"): ({}, {}, {"knobs": {"lan.delay": {"maximum": 3}}}),
+    ("KnobForm", "minimum"): (
+        {},
+        {"knobs": {"lan.delay": {"minimum": 0, "maximum": 3}}},
+        {"knobs": {"lan.delay": {"minimum": 1, "maximum": 3}}},
+    ),
+    ("KnobForm", "maximum"): (
+        {
+            **part("a", parameters={"gain": 2e-5}),  # 2 ms to 3.6 ms
+            "connections": [*BASE["connections"], "a.x -> lan.forward.delay"],
+        },
+        {"knobs": {"lan.forward.delay": {"maximum": "3 ms"}}},
+        {"knobs": {"lan.forward.delay": {"maximum": "4 ms"}}},
+    ),
     ("Document", "expect"): ({}, {}, {"expect": {"b.y": {"max_below": 1}}}),
     ("ComponentForm", "python"): ({}, {}, part("b", python=f"{PARTS}:Twice")),
     ("ComponentForm", "rate"): ({}, {}, part("a", rate="slow")),

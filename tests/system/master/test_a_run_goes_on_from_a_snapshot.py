@@ -21,6 +21,17 @@ LOSSY = (
     "channels.lan.reorder=0.1",
     "channels.lan.duplication=0.1",
 )
+TURNED = (
+    'channels.lan.jitter="3 ticks"',
+    "channels.lan.loss={good_to_bad: 0.1, bad_to_good: 0.3}",
+    "knobs={vr_b.compensation.x: ~}",
+    (
+        "events=[{at: 500 ticks, set: {lan.round_trip_delay: 4, vr_a.coupling_stiffness: 40}},"
+        " {at: 901 ticks, set: {lan.jitter: 0, vr_a.compensation.x: -2, vr_b.coupling_damping: 6}},"
+        " {at: 1300 ticks, set: {lan.forward.delay: 0, vr_b.local_normal_stiffness: 1.2 N/mm}}]"
+    ),
+)
+"""Knobs that are turned before, between and after the snapshots."""
 
 
 def flavoured(path: Path, flavour: str) -> list[str]:
@@ -44,6 +55,7 @@ def goes_on(path: Path, sets: Sequence[str], folder: Path, seed: int) -> None:
     ("name", "sets"),
     [
         ("two_users_box", LOSSY),
+        ("two_users_box", TURNED),
         ("single_axis_distributed", ()),
         ("thesis/grasp_deadband", ()),
     ],
