@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ def list_command(*, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def inspect_command(*, file: str, as_json: bool) -> None:
     """What FILE, an FMU or the name of one of ours, offers: variables, terminals, platforms."""
-    from cosim.cli.support.fmu_report import describe, to_text
+    from cosim.cli.support.fmu.report import describe, to_text
 
     report = describe(_locate(file))
     click.echo(json.dumps(report, indent=2) if as_json else to_text(report))
@@ -83,22 +84,81 @@ def export_command(*, folder: Path, names: tuple[str, ...], flavour: str, force:
     click.echo(f"{len(sources)} FMUs written to {folder}")
 
 
+@command.command("validate", cls=JsonCommand)
+@click.argument("file")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def validate_command(*, file: str, as_json: bool) -> None:
+    """Whether FILE, an FMU, keeps the standard's rules and starts on this machine.
+
+    Exit status: 0 nothing was found; 1 a rule is broken or it does not start; 2 it is no FMU.
+    """
+    from cosim.cli.support.fmu.check import judge
+
+    verdict = judge(_locate(file))
+    if as_json:
+        click.echo(
+            json.dumps(
+                {
+                    "ok": verdict.is_good,
+                    "breaks": list(verdict.breaks),
+                    "starts": not verdict.failure,
+                    "failure": verdict.failure,
+                },
+                indent=2,
+            )
+        )
+    else:
+        for each in verdict.breaks:
+            click.echo(f"modelDescription.xml: {each}")
+        click.echo(verdict.failure or f"{file} starts and ends on this machine")
+    sys.exit(0 if verdict.is_good else 1)
+
+
+@command.command("new", cls=JsonCommand)
+@click.argument("folder", type=click.Path(path_type=Path))
+def new_command(*, folder: Path) -> None:
+    """Write a model that works into FOLDER, to be changed and built."""
+    from cosim.cli.support.fmu.new_model import write_new
+
+    for file in write_new(folder):
+        click.echo(str(file))
+
+
 @command.command("build", cls=JsonCommand)
-@click.argument("names", nargs=-1)
+@click.argument("names", nargs=-1, metavar="[MODEL]...")
 @click.option("--force", is_flag=True, help="Build also what is up to date.")
-def build_command(*, names: tuple[str, ...], force: bool) -> None:
-    """Compile our FMUs (all, or those named) for every platform, where sources changed."""
+@click.option(
+    "--out",
+    type=OutputFolder(),
+    help="Where the FMUs of a folder of yours go. [default: the working folder]",
+)
+def build_command(*, names: tuple[str, ...], force: bool, out: Path | None) -> None:
+    """Compile the model in a folder (see fmu new), or our own, for every platform.
+
+    Our own, all or those named, are built in a checkout where their sources changed.
+    """
+    from cosim.cli.support.fmu.new_model import source_in
     from fmus import check_name, is_checkout, model_names
     from fmus.builder import build_fmus, source_of
     from fmus.compiler import BuildError
 
-    if not is_checkout():
-        raise InputError("FMUs are built in a checkout of cohaptic; here they came with it.")
+    folders = [name for name in names if Path(name).is_dir() or "/" in name]
+    if len(folders) < max(len(names), 1) and not is_checkout():
+        raise InputError(
+            "Our own FMUs are built in a checkout of cohaptic; here they came with it. Name a "
+            "folder with a model of yours (cohaptic fmu new writes one)."
+        )
+    if out is not None and not folders:
+        raise InputError("--out is for a folder with a model of yours.")
     for name in names:
-        check_name(name)
+        if name not in folders:
+            check_name(name)
     try:
         for name in names or model_names():
-            built = build_fmus(source_of(name), force=force)
+            if name in folders:
+                built = build_fmus(source_in(Path(name)), output=out or Path.cwd(), force=force)
+            else:
+                built = build_fmus(source_of(name), force=force)
             click.echo(f"{name}: {'built' if built else 'up to date'}")
     except BuildError as error:
         raise RunError(str(error)) from None

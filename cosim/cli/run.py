@@ -45,6 +45,10 @@ if TYPE_CHECKING:
 )
 @click.option("--duration", metavar="TIME", help="Simulated time, instead of the scenario's (s).")
 @click.option(
+    "--stop-time", metavar="TIME", help="Of an FMU given in place of a scenario: how long to run."
+)
+@click.option("--step-size", metavar="TIME", help="Of an FMU: how long its steps are.")
+@click.option(
     "--out",
     type=OutputFolder(),
     help="Folder for the run; new or empty. [default: runs/<scenario>-<n>]",
@@ -75,6 +79,8 @@ def command(
     duration: str | None,
     out: Path | None,
     *,
+    stop_time: str | None,
+    step_size: str | None,
     snapshots: tuple[str, ...],
     origin: str | None,
     figure: bool,
@@ -90,6 +96,9 @@ def command(
 ) -> None:
     """Run SCENARIO, a file or the name of a bundled one, and record it.
 
+    An FMU, or the folder of an unpacked one, runs alone: --stop-time and --step-size as its default
+    experiment says unless they are given, and --set VARIABLE=VALUE for its parameters.
+
     Exit status: 0 good; 1 the run failed, was interrupted, or an expectation was not met;
     2 something that was given cannot be used.
 
@@ -101,10 +110,16 @@ def command(
     from cosim.cli.support.child import run_in_child
     from cosim.cli.support.continuation import scenario_to_run
     from cosim.cli.support.devices import say
+    from cosim.cli.support.fmu.alone import is_fmu, scenario_of_fmu
     from cosim.reading import load
     from cosim.run import run_scenario
 
     refuse_without_realtime(realtime=realtime, on_miss=on_miss, cpu=cpu)
+    alone = is_fmu(scenario)
+    if not alone and (stop_time or step_size):
+        raise InputError("--stop-time and --step-size are for an FMU in place of a scenario.")
+    if alone and (overlays or duration):
+        raise InputError("An FMU runs alone with --stop-time, --step-size and --set.")
     written = scenario_to_run(
         scenario,
         origin,
@@ -114,7 +129,11 @@ def command(
     )
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load(written, overlays, sets)
+    loaded = (
+        scenario_of_fmu(written, stop_time=stop_time, step_size=step_size, sets=sets)
+        if alone
+        else load(written, overlays, sets)
+    )
     refuse_without_devices(loaded, enable_output=enable_output, yes=yes, dead_man=dead_man)
     paced = _devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, realtime=realtime

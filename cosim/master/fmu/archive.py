@@ -23,18 +23,29 @@ MAX_UNPACKED = 2 << 30
 
 
 def sha256_of(path: Path) -> str:
-    """SHA-256 (hex) of a file, read again where its time or size is another.
+    """SHA-256 (hex) of a file, read again where its time or size is another; or of a folder.
 
     Raises:
         InputError: it cannot be read.
     """
     try:
+        if path.is_dir():
+            return _digest_of(path)
         stat = path.stat()
         return _sha256(path, (stat.st_ino, stat.st_size, stat.st_mtime_ns))
     except FileNotFoundError:
         raise InputError(f"there is no FMU at {path}") from None
     except OSError as error:
         raise InputError(f"the FMU {path} cannot be read: {error.strerror}") from None
+
+
+def _digest_of(folder: Path) -> str:
+    """Of all files by their names in the folder."""
+    digest = hashlib.sha256()
+    for file in sorted(at for at in folder.rglob("*") if at.is_file()):
+        name = file.relative_to(folder).as_posix()
+        digest.update(f"{name}\0{sha256_of(file)}\0".encode())
+    return digest.hexdigest()
 
 
 @lru_cache(maxsize=1024)
@@ -60,6 +71,10 @@ def unpack(path: Path, digest: str) -> Path:
         if recall(files) == _state_of(folder):
             return folder
         _remove(folder)
+    if path.is_dir():
+        _copy(path, folder)
+        keep(files, _state_of(folder))
+        return folder
     with _open(path) as archive:
         _check_entries(path, archive)
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -79,6 +94,21 @@ def unpack(path: Path, digest: str) -> Path:
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
     return folder
+
+
+def _copy(given: Path, folder: Path) -> None:
+    """An FMU that is unpacked already: a copy, since it may write where it lies."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=folder.parent))
+    try:
+        shutil.copytree(given, scratch / "fmu")
+        _move(scratch / "fmu", folder)
+    except (OSError, shutil.Error) as error:
+        raise InputError(
+            f"the FMU {given} cannot be copied into {folder.parent}: {error}"
+        ) from None
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _open(path: Path) -> zipfile.ZipFile:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Mapping
@@ -51,6 +52,10 @@ class FmuDescription:
     log_categories: tuple[str, ...]
     fixed_step: Fraction | None
     """The step (s) that an FMU which cannot vary its step was made for."""
+    step_size: Fraction | None
+    """The step (s) that the FMU suggests, by its default experiment or its own steps."""
+    stop_time: Fraction | None
+    """How long (s) its default experiment lasts."""
     once_per_process: bool
     breaks: tuple[str, ...]
     """Rules of the standard that the description breaks, and with which it can be used."""
@@ -94,6 +99,7 @@ def parse_description(
     interface = description.coSimulation
     if interface is None:
         raise InputError(f"{path} offers no co-simulation; {_offered(description)}")
+    experiment = description.defaultExperiment
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = _Shapes(dict(structure), by_reference)
     meant = read_meanings(path, folder / "modelDescription.xml")
@@ -137,6 +143,9 @@ def parse_description(
         units={u.name: _unit(u) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
         fixed_step=_fixed_step(description),
+        step_size=_time(experiment.stepSize if experiment else None)
+        or _time(interface.fixedInternalStepSize),
+        stop_time=_time(experiment.stopTime if experiment else None),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         breaks=breaks,
         skipped=skipped,
@@ -348,8 +357,12 @@ def _fixed_step(description: Any) -> Fraction | None:
     if interface.canHandleVariableCommunicationStepSize:
         return None
     experiment = description.defaultExperiment
-    text = interface.fixedInternalStepSize or (experiment.stepSize if experiment else None)
-    if text is None or float(text) <= 0:
+    return _time(interface.fixedInternalStepSize or (experiment.stepSize if experiment else None))
+
+
+def _time(text: Any) -> Fraction | None:
+    """A time above 0 (s), where there is one."""
+    if text is None or not 0 < float(text) < math.inf:
         return None
     exact = Fraction(str(text))
     near = exact.limit_denominator(1_000_000)

@@ -15,7 +15,8 @@ from cosim.master.fmu.description import FmuDescription
 
 _VARIABLE = tuple(field.name for field in fields(Variable))
 _UNIT = tuple(field.name for field in fields(Unit))
-_PLAIN = frozenset({"path", "folder", "variables", "units", "fixed_step"})
+_TIMES = ("fixed_step", "step_size", "stop_time")
+_PLAIN = frozenset({"path", "folder", "variables", "units", *_TIMES})
 """Fields that need a form of their own; the others are plain values."""
 
 
@@ -26,7 +27,7 @@ def to_plain(description: FmuDescription) -> dict[str, Any]:
         for field in fields(description)
         if field.name not in _PLAIN
     }
-    step = description.fixed_step
+    times = {name: getattr(description, name) for name in _TIMES}
     return content | {
         "variables": [
             tuple(_member_value(getattr(each, name)) for name in _VARIABLE)
@@ -36,7 +37,7 @@ def to_plain(description: FmuDescription) -> dict[str, Any]:
             key: tuple(_ratio(getattr(unit, name)) for name in _UNIT)
             for key, unit in description.units.items()
         },
-        "fixed_step": None if step is None else step.as_integer_ratio(),
+        **{name: None if time is None else time.as_integer_ratio() for name, time in times.items()},
     }
 
 
@@ -49,13 +50,14 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
     rest = dict(content)
     variables = [_variable(row) for row in rest.pop("variables")]
     units = {key: _unit(row) for key, row in rest.pop("units").items()}
-    step = rest.pop("fixed_step")
+    given = {name: rest.pop(name) for name in _TIMES}
+    times = {name: None if time is None else Fraction(*time) for name, time in given.items()}
     return FmuDescription(
         path=path,
         folder=folder,
         variables={variable.name: variable for variable in variables},
         units=units,
-        fixed_step=None if step is None else Fraction(*step),
+        **times,
         **rest,
     )
 

@@ -103,7 +103,11 @@ def _fmu(text: str, folder: Path) -> tuple[str | None, str]:
             f"no bundled FMU is called '{text}'.{hint} A file needs a path that ends in .fmu.",
         )
     file = (folder / Path(text).expanduser()).absolute()
-    return (str(file), "") if file.is_file() else (None, f"there is no file {file}.")
+    if file.is_file() or (file / "modelDescription.xml").is_file():
+        return str(file), ""
+    if file.is_dir():
+        return None, f"{file} is a folder without a modelDescription.xml, so it is no unpacked FMU."
+    return None, f"there is no file {file}."
 
 
 def _python(text: str, folder: Path) -> tuple[str | None, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +32,8 @@ def describe(path: Path) -> dict[str, Any]:
     fmpy: Any = importlib.import_module("fmpy.model_description")
     model = fmpy.read_model_description(str(description.folder), validate=False)
     interface = model.coSimulation
-    with zipfile.ZipFile(path) as archive:
-        entries = archive.namelist()
+    binaries = description.folder / "binaries"
+    platforms = [at.name for at in binaries.iterdir()] if binaries.is_dir() else []
     return {
         "file": str(path),
         "sha256": description.sha256,
@@ -43,7 +42,7 @@ def describe(path: Path) -> dict[str, Any]:
         "description": model.description,
         "tool": model.generationTool,
         "token": description.token,
-        "platforms": sorted({e.split("/")[1] for e in entries if e.startswith("binaries/")}),
+        "platforms": sorted(platforms),
         "capabilities": [
             name for name in _CAPABILITIES if getattr(interface, name, None) in {True, "true"}
         ],

@@ -1,0 +1,101 @@
+"""``cohaptic run model.fmu``: the scenario of one FMU alone, from what its description says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cosim.base.component import Causality
+from cosim.base.errors import InputError
+
+if TYPE_CHECKING:
+    from cosim.master.fmu.description import FmuDescription
+    from cosim.scenario import Scenario
+
+DESCRIPTION = "modelDescription.xml"
+_STEPS = 500
+"""Of a run whose FMU does not say how long its steps are."""
+
+
+def is_fmu(given: str | None) -> bool:
+    """Whether what was given to ``run`` is an FMU's file, or the folder of one that is unpacked."""
+    if given is None:
+        return False
+    path = Path(given).expanduser()
+    return path.suffix.casefold() == ".fmu" or (path / DESCRIPTION).is_file()
+
+
+def scenario_of_fmu(
+    given: str, *, stop_time: str | None, step_size: str | None, sets: Sequence[str]
+) -> Scenario:
+    """A scenario with the FMU as its only component.
+
+    Stop time and step come from the FMU's default experiment where they are not given. A name in
+    ``sets`` that is one of the FMU's variables is a parameter or a start value of it.
+
+    Raises:
+        InputError: it cannot be read, nobody says how long to run, or an override leads nowhere.
+    """
+    from cosim.base.document.yaml_reader import parse_yaml
+    from cosim.base.document.yaml_writer import write_yaml
+    from cosim.master.fmu.reading import read_description
+    from cosim.reading import FORMS
+    from cosim.scenario.load import Written
+
+    path = Path(given).expanduser().absolute()
+    description = read_description(path)
+    duration = _duration(description, path, stop_time)
+    step = _seconds(step_size, "--step-size") if step_size is not None else description.step_size
+    if step is None:
+        step = duration / _STEPS
+    name = re.sub(r"\W", "_", path.stem).lstrip("_0123456789") or "model"
+    document = {
+        "cohaptic": 1,
+        "name": name,
+        "title": f"{path.name} alone",
+        "duration": str(duration),
+        "components": {name: {"fmu": str(path), "rate": str(1 / step), "feedthrough": True}},
+    }
+    root = parse_yaml(write_yaml(document), str(path), has_lines=False)
+    changed = [_placed(text, name, description) for text in sets]
+    return Written(path, root, FORMS).changed(changed).built()
+
+
+def _duration(description: FmuDescription, path: Path, stop_time: str | None) -> Fraction:
+    if stop_time is not None:
+        return _seconds(stop_time, "--stop-time")
+    if description.stop_time is None:
+        raise InputError(
+            f"the FMU {path} does not say how long to run; give --stop-time, such as --stop-time 10"
+        )
+    return description.stop_time
+
+
+def _seconds(text: str, option: str) -> Fraction:
+    from cosim.base.quantities.quantity import QuantityError, quantity
+
+    try:
+        seconds = quantity(text, "s")
+    except QuantityError as error:
+        raise InputError(f"{option}: {error}") from None
+    if seconds <= 0:
+        raise InputError(f"{option} is a time above 0, not {text}.")
+    return seconds
+
+
+def _placed(text: str, name: str, description: FmuDescription) -> str:
+    """The same override with the variable's place in the scenario."""
+    variable = description.variables.get(text.partition("=")[0].strip())
+    if variable is None:
+        array = text.partition("=")[0].strip()
+        variable = next(
+            (v for key, v in description.variables.items() if key.startswith(f"{array}[")), None
+        )
+    if variable is None:
+        return text
+    settable = {Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER}
+    section = "parameters" if variable.causality in settable else "start"
+    return f"components.{name}.{section}.{text}"
