@@ -47,6 +47,9 @@ def list_drivers(*, as_json: bool) -> None:
             "description": (sys.modules[kind.__module__].__doc__ or "").strip().splitlines()[0],
             "latency_ticks": kind.latency_ticks,
             "tested_on_hardware": kind.tested_on_hardware,
+            "emulated": kind.emulator is not None,
+            "command_unit": kind.command_unit,
+            "presets": sorted(kind.presets),
         }
     if as_json:
         click.echo(json.dumps(found))
