@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.device_calibrate import calibrate_device
+from cosim.cli.device_conform import conform_device
 from cosim.cli.device_emulate import emulate_device
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
@@ -180,4 +181,5 @@ def _show(angle: tuple[float, float], age: int) -> None:
 
 
 command.add_command(calibrate_device)
+command.add_command(conform_device)
 command.add_command(emulate_device)

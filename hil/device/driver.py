@@ -10,7 +10,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
@@ -20,6 +20,9 @@ from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.driver_facts import DriverFacts
 from hil.setup.registry import GROUP, find
+
+if TYPE_CHECKING:
+    from hil.wire.serial_port import SerialPort
 
 
 class Driver(DriverFacts, ABC):
@@ -87,6 +90,11 @@ class Driver(DriverFacts, ABC):
             self.pulse.beat()
         if not (self.in_process or self.lockstep):
             time.sleep(self.tick)
+
+    @property
+    def port(self) -> SerialPort | None:
+        """The serial line that it speaks on; ``None`` on a bus, or behind a maker's library."""
+        return None
 
     @property
     def knows_its_pose(self) -> bool:

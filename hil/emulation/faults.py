@@ -28,7 +28,7 @@ class FaultKind(StrEnum):
     LATCHED = "latched"
     """The motors keep their last torque, whatever is commanded."""
     RESTART = "restart"
-    """The board starts anew, as after a dip of its supply (CANopen, cobs)."""
+    """The board starts anew, as after a dip of its supply."""
     ALARM = "alarm"
     """The board reports an error of its own (CANopen)."""
 

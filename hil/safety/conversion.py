@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from math import ceil, floor
+from math import ceil, floor, isfinite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +73,13 @@ class VoltageDrive:
         return min(max(torque / self.torque_per_volt + self.bias, self.low), self.high)
 
     def encode(self, torque: float) -> int:
-        """The DAC code for a joint torque (N.m), rounded toward zero torque."""
+        """The DAC code for a joint torque (N.m), rounded toward zero torque.
+
+        Raises:
+            ValueError: it is not a finite number, which would become all that the DAC can give.
+        """
+        if not isfinite(torque):
+            raise ValueError(f"{torque} is no torque")
         if torque == 0.0:
             return self.zero_code
         exact = self.low_code + (self.volts(torque) - self.low) / self.volts_per_code

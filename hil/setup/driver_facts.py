@@ -30,6 +30,8 @@ class DriverFacts:
     tested_on_hardware: ClassVar[bool] = False
     has_input: ClassVar[bool] = False
     """Whether the board tells of a switch on it, which can serve as a dead-man input."""
+    checks_frames: ClassVar[bool] = True
+    """Whether a damaged command is noticed; without, the board obeys whatever bytes come."""
     settings: ClassVar[type[DriverSettings]] = DriverSettings
     """The form of ``settings`` in its device file."""
     options: ClassVar[type[UrlOptions]] = UrlOptions

@@ -6,6 +6,7 @@ import contextlib
 import os
 import select
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
@@ -52,6 +53,8 @@ class SerialPort:
 
         self._pulse, self._number = pulse, number
         self.sent = 0
+        self.spoil: Callable[[bytes], bytes] | None = None
+        """What becomes of a frame on its way, where a board is tried with damaged ones."""
         baud = read_options(SerialOptions, address).baud
         try:
             self._port: Any = serial.serial_for_url(  # pyright: ignore[reportUnknownMemberType]
@@ -84,6 +87,8 @@ class SerialPort:
         Raises:
             DeviceGone: the other end is closed, or takes no bytes.
         """
+        if self.spoil is not None:
+            frame = self.spoil(frame)
         if self._pulse is not None:
             self._pulse.begin(self._number, len(frame))
         done = 0

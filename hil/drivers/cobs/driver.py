@@ -42,6 +42,10 @@ class CobsDriver(Driver):
         timeout = WATCHDOG_MS * 1e-3
         return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 
+    @property
+    def port(self) -> SerialPort | None:
+        return self._port
+
     def open(self) -> None:
         self._port = SerialPort(self.address, self.pulse, self.number)
         self._splitter, self._sequence, self._flags = Splitter(), 0, CommandFlag.CLEAR

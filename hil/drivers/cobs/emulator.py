@@ -142,6 +142,9 @@ class FirmwareBoard(Board):
     def tick(self) -> list[Unit]:
         """The watchdog."""
         self._time += self._tick
+        if self.world.fault(FaultKind.RESTART):
+            self._library.device_init(ctypes.byref(self._device))
+            self._time = 0.0
         self._library.device_tick(ctypes.byref(self._device), ctypes.c_uint32(self._now()))
         self._drive()
         return []

@@ -79,8 +79,13 @@ class HaplyDriver(Driver):
     presets: ClassVar[Mapping[str, Preset]] = {"haply": HAPLY}
     preset = "haply"
     found_on = "serial"
+    checks_frames: ClassVar[bool] = False
 
     _port: SerialPort | None = None
+
+    @property
+    def port(self) -> SerialPort | None:
+        return self._port
 
     def open(self) -> None:
         given = self.file.settings_of(HaplySettings)

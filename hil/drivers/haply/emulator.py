@@ -5,8 +5,10 @@ from __future__ import annotations
 import struct
 from math import degrees, isfinite, pi
 
+from hil.device.contract import ZERO
 from hil.drivers.haply.protocol import IO, PORTS, RESET, SETUP
 from hil.emulation.board import Board, Unit
+from hil.emulation.faults import FaultKind
 from hil.emulation.launch import Made, Order, on_terminal
 from hil.emulation.world import World
 from hil.safety.linkage import Pair
@@ -52,6 +54,13 @@ class HaplyBoard(Board):
             else:
                 self._pending = self._pending[1:]
         return answers
+
+    def tick(self) -> list[Unit]:
+        """A restart forgets the setup; the motors are off until there is a new one."""
+        if self.world.fault(FaultKind.RESTART):
+            self._pending, self._motors, self._encoders = b"", [], {}
+            self.world.torque = ZERO
+        return []
 
     def _set_up(self) -> bool:
         """Take a whole setup frame off the pending bytes; whether it was whole."""

@@ -16,6 +16,7 @@ from hil.drivers.odrive.protocol import (
     identifier,
 )
 from hil.emulation.board import Board, BoardFrame, Unit
+from hil.emulation.faults import FaultKind
 from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
 
@@ -87,6 +88,8 @@ class OdriveBoard(Board):
 
     def tick(self) -> list[Unit]:
         """Watchdogs, heartbeats, and estimates where no torque brought them."""
+        if self.world.fault(FaultKind.RESTART):
+            self._axes = {node: OdriveAxis() for node in self._nodes}
         for axis in self._axes.values():
             axis.silence += 1
             limit = axis.watchdog_ticks

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import closing
+from math import pi
 
 from hil.wire.side_channel import Control
 
@@ -14,6 +15,9 @@ EMULATED_TURN = 0.25
 
 class Turner(ABC):
     """Moves one joint (0 or 1) of a handle at a time."""
+
+    angle: float
+    """By how much it turns one (rad)."""
 
     @abstractmethod
     def leave(self, joint: int) -> None:
@@ -30,6 +34,8 @@ class Turner(ABC):
 class AskedTurner(Turner):
     """``ask`` shows a sentence and returns once it was done."""
 
+    angle = pi / 4
+
     def __init__(self, ask: Callable[[str], object]) -> None:
         self._ask = ask
 
@@ -40,13 +46,15 @@ class AskedTurner(Turner):
     def turn(self, joint: int) -> None:
         """Asked for."""
         self._ask(
-            f"Turn joint {joint + 1} counterclockwise by a hand's breadth, hold it there, and "
-            "press Enter: "
+            f"Turn joint {joint + 1} counterclockwise by half a right angle, hold it there, "
+            "and press Enter: "
         )
 
 
 class EmulatedTurner(Turner):
     """The hand of the emulator at the other end of the side channel at ``path``."""
+
+    angle = EMULATED_TURN
 
     def __init__(self, path: str) -> None:
         self._path = path

@@ -57,7 +57,7 @@ class Installed:
             timeout=120,
             check=False,
         )
-        assert done.returncode == status, done.stdout + done.stderr
+        assert done.returncode == status, (done.stdout + done.stderr)[-1500:]
         return done.stdout + done.stderr
 
     @contextmanager
@@ -142,3 +142,14 @@ def test_its_settings_are_its_own(lab: Installed):
     (lab.folder / "device.yaml").write_text("driver: lab\nsettings: {full_scael: 1}\n")
     said = lab.command("device", "check", "lab:///dev/none", "--file", "device.yaml", status=2)
     assert "Did you mean full_scale" in said
+
+
+def test_it_conforms(lab: Installed):
+    with lab.emulator("--lockstep", "--file", "device.yaml") as url:
+        said = lab.command(
+            *("device", "conform", url, "--file", "device.yaml", "--seconds", "0.5"),
+            *("--enable-output", "--yes", "--json"),
+        )
+    rules = json.loads(said.splitlines()[0])["rules"]
+    assert {rule["name"] for rule in rules if rule["outcome"] == "not tried"} == {"clock", "switch"}
+    assert {rule["name"] for rule in rules if rule["outcome"] == "broken"} == set()

@@ -7,6 +7,7 @@ after 20 ms of silence.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Annotated, ClassVar
 
 from pydantic import Field
@@ -65,6 +66,11 @@ class LabDriver(Driver):
         """Verified once ``cohaptic device check --enable-output`` has seen it fire."""
         return Watchdog(timeout=WATCHDOG, verified=self.watchdog_proved(WATCHDOG))
 
+    @property
+    def port(self) -> SerialPort | None:
+        """The line, for those who try it with damaged commands."""
+        return self._port
+
     def open(self) -> None:
         """The board answers, and its output stage is off."""
         self._port = SerialPort(self.address, self.pulse, self.number)
@@ -101,6 +107,8 @@ class LabDriver(Driver):
         codes: list[int] = []
         given: list[float] = []
         for joint, wanted in zip(self.file.joints, torque, strict=True):
+            if not isfinite(wanted):
+                raise ValueError(f"{wanted} is no torque")
             code = int(min(max(joint.drive.encode(wanted), -scale), scale) * 1e6)
             codes.append(code)
             given.append(joint.drive.decode(code * 1e-6))

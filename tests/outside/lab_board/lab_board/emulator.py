@@ -21,7 +21,7 @@ class LabBoard(Board):
         self._tick = tick
         self._lines = wire.Lines()
         self._silence = 0.0
-        self._fired = self._enabled = False
+        self._fired = self._armed = False
 
     def receive(self, unit: Unit) -> list[Unit]:
         """Answer every valid command; with the answer a tick ends."""
@@ -38,21 +38,22 @@ class LabBoard(Board):
         """The watchdog; a restart forgets everything."""
         self._silence += self._tick
         if self.world.fault(FaultKind.RESTART):
-            self._lines, self._fired, self._enabled = wire.Lines(), False, False
+            self._lines, self._fired, self._armed = wire.Lines(), False, False
             self.world.torque = ZERO
         if self._silence > WATCHDOG:
-            self._fired |= self._enabled
-            self._enabled, self.world.torque = False, ZERO
+            self._fired |= self._armed
+            self._armed, self.world.torque = False, ZERO
         return []
 
     def _obey(self, found: wire.Command) -> bytes:
         self._silence = 0.0
         if found.kind == wire.CLEAR:
             self._fired = False
-        self._enabled = found.kind != wire.OFF and not self._fired
+        if found.kind != wire.TORQUE:
+            self._armed = found.kind == wire.CLEAR
         torque = (found.torque[0] * 1e-6, found.torque[1] * 1e-6)
-        self.world.torque = torque if self._enabled else ZERO
-        status = wire.ENABLED * self._enabled | wire.FIRED * self._fired
+        self.world.torque = torque if self._armed else ZERO
+        status = wire.ENABLED * self._armed | wire.FIRED * self._fired
         status |= wire.ZERO * (self.world.torque == ZERO)
         return wire.line("A", found.sequence, *self.world.count(COUNTS), status)
 

@@ -1,8 +1,9 @@
 """Lines of text with a checksum: pure functions, no port and no state.
 
 Command ``T 17 1200 -300 *1a2b``: what to do, sequence number, two torques in uN.m. Z: output stage
-off; C: forget a watchdog that fired, and on; T: on. Every valid command is answered by
-``A 17 20113 -4001 5 *9f03``: its number, two counts, what the board says of itself.
+off. C: on, and forget a watchdog that fired. T: torque, obeyed only after a C: a board that was
+reset, or whose watchdog fired, stays off until its host has noticed. Every valid command is
+answered by ``A 17 20113 -4001 5 *9f03``: its number, two counts, what the board says of itself.
 """
 
 from __future__ import annotations
