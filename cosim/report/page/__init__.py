@@ -1,0 +1,1 @@
+"""``report.html``: one page of a run that opens from a file and needs nothing else."""

@@ -1,0 +1,99 @@
+"""``report.html`` of a run folder: facts, verdicts, the scene as an animation, every signal.
+
+Everything is in the one file; it loads nothing from anywhere.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from cosim.record.digest import digest
+from cosim.record.reader import Run
+from cosim.record.statistics import ColumnSummary
+from cosim.report.page.bundle import bundle
+from cosim.report.page.contents import contents
+from cosim.report.page.tables import (
+    channel_table,
+    deadline_table,
+    measure_rows,
+    provenance_rows,
+    saturation_rows,
+    verdict_rows,
+)
+from cosim.report.summary import facts
+
+REPORT_FILE = "report.html"
+HERE = Path(__file__).parent
+LIVE = HERE.parents[1] / "live" / "page"
+"""The live page, whose scene, colours and plots these are."""
+MODULES = (
+    LIVE / "vendor" / "uPlot.js",
+    LIVE / "theme.js",
+    LIVE / "scene.js",
+    HERE / "report.js",
+)
+STYLES = (LIVE / "vendor" / "uPlot.css", LIVE / "style.css", HERE / "report.css")
+
+
+def write_page(
+    run: Run,
+    path: Path,
+    content: Mapping[str, Any],
+    summaries: Mapping[str, ColumnSummary],
+    scene: Mapping[str, Any] | None = None,
+) -> None:
+    """Write the page of a run.
+
+    Args:
+        run: the record, open, with its manifest.
+        path: the file to write.
+        content: the run's summary (``cosim.report.summary``).
+        summaries: statistics and envelope of each signal, by name.
+        scene: what can be drawn of the run, where there is anything.
+    """
+    jinja: Any = import_module("jinja2")
+    markup: Any = import_module("markupsafe").Markup
+    environment = jinja.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string((HERE / "report.html.j2").read_text(encoding="utf-8"))
+    data = json.dumps(contents(run, summaries, scene), allow_nan=False, separators=(",", ":"))
+    notes = [*run.manifest.get("notes", ()), *_warnings(content)]
+    page = template.render(
+        title=content["title"] or content["scenario"] or run.folder.name,
+        lead=facts(content),
+        outcome=_outcome(content),
+        status=content["status"],
+        failures=[*content["failures"], *content["runaways"]],
+        verdicts=verdict_rows(content),
+        measures=measure_rows(content),
+        channels=channel_table(content),
+        deadlines=deadline_table(content),
+        saturation=saturation_rows(run, scene),
+        notes=notes,
+        ran=provenance_rows(run, digest(run)),
+        scenario=run.scenario_yaml,
+        # Nothing in data may close the element that it stands in.
+        data=markup(data.replace("<", "\\u003c")),
+        script=markup(bundle(MODULES).replace("</script", "<\\/script")),
+        style=markup("\n".join(file.read_text(encoding="utf-8") for file in STYLES)),
+    )
+    path.write_text(page, encoding="utf-8")
+
+
+def _outcome(content: Mapping[str, Any]) -> str:
+    if content["message"]:
+        return str(content["message"])
+    if content["expectations"]:
+        met = len(content["expectations"]) - len(content["failures"])
+        return f"{met} of {len(content['expectations'])} expectations met"
+    return "Ran to its end" if content["status"] == 0 else "Failed"
+
+
+def _warnings(content: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{name}: {value}" if not isinstance(value, dict) else f"{name}: {json.dumps(value)}"
+        for name, value in content["warnings"].items()
+    ]

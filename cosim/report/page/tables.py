@@ -1,0 +1,144 @@
+"""The tables of a run's page, as rows of text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cosim.record.reader import Run
+from cosim.report.measures import SCENARIO_MEASURES
+from cosim.report.quantities import human
+
+AT_LIMIT = 0.999
+"""Share of its limit from which a force is at it."""
+
+Row = tuple[str, ...]
+
+
+def verdict_rows(content: Mapping[str, Any]) -> list[Row]:
+    """What was expected, what was measured, and whether that is met."""
+    return [
+        (
+            each["label"] or each["target"],
+            f"{each['predicate']} {_expected(each)}",
+            human(each["measured"], each["unit"]),
+            "met" if each["passed"] else "NOT MET",
+        )
+        for each in content["expectations"]
+    ]
+
+
+def measure_rows(content: Mapping[str, Any]) -> list[Row]:
+    """What the scenario's measures say."""
+    return [
+        (
+            name.replace("_", " "),
+            human(value, SCENARIO_MEASURES[name].unit),
+            SCENARIO_MEASURES[name].description,
+        )
+        for name, value in content["measures"].items()
+    ]
+
+
+def channel_table(content: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Packets of each direction, by what became of them."""
+    channels: Mapping[str, Mapping[str, int]] = content["channels"]
+    if not channels:
+        return None
+    keys = list(next(iter(channels.values())))
+    rows = [(name, *(str(counts[key]) for key in keys)) for name, counts in channels.items()]
+    return {"heading": ("", *(key.replace("_", " ") for key in keys)), "rows": rows}
+
+
+def deadline_table(content: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Lateness of a paced run: numbers, a histogram's bars, and why deadlines were lost."""
+    found: Mapping[str, Any] | None = content["deadlines"]
+    if not found:
+        return None
+    rows = [
+        (key.replace("_", " "), _time(value) if isinstance(value, float) else str(value))
+        for key, value in found.items()
+        if isinstance(value, int | float | str)
+    ]
+    causes = [
+        (cause, str(of["misses"]), _time(of["seconds"]))
+        for cause, of in (found.get("causes") or {}).items()
+    ]
+    bars = [(float(below), int(count)) for below, count in found.get("histogram") or ()]
+    most = max((math.log1p(count) for _, count in bars), default=0.0) or 1.0
+    return {
+        "rows": rows,
+        "causes": causes,
+        "bars": [
+            {"below": _time(below), "count": count, "height": round(70 * math.log1p(count) / most)}
+            for below, count in bars
+        ],
+    }
+
+
+def saturation_rows(run: Run, scene: Mapping[str, Any] | None) -> list[Row]:
+    """How long each finger's force was at its limit."""
+    rows: list[Row] = []
+    for finger in (scene or {}).get("fingers", ()):
+        force: Sequence[str] = finger.get("force") or ()
+        limit = finger.get("limit")
+        if not limit or len(force) != 2 or any(name not in run for name in force):
+            continue
+        at_limit = total = 0
+        blocks = zip(*(run[name].blocks() for name in force), strict=True)
+        for x, y in blocks:
+            at_limit += int(np.count_nonzero(np.hypot(x, y) >= AT_LIMIT * limit))
+            total += x.size
+        share = at_limit / total if total else 0.0
+        rows.append((finger["name"], human(limit, "N"), human(share, "1")))
+    return rows
+
+
+def provenance_rows(run: Run, digest: str) -> list[Row]:
+    """What would be needed to run it again."""
+    manifest = run.manifest
+    scenario = manifest.get("scenario") or {}
+    versions = manifest.get("versions") or {}
+    rows: list[Row] = [
+        ("scenario", str(scenario.get("name", ""))),
+        ("seed", str(scenario.get("seed", ""))),
+        ("base rate", f"{float(run.base_rate):g} Hz"),
+        ("ticks", str(run.ticks)),
+        ("digest", digest),
+        ("started", str(manifest.get("started", ""))),
+        ("versions", ", ".join(f"{name} {version}" for name, version in versions.items())),
+        ("machine", " ".join(str(v) for v in (manifest.get("platform") or {}).values())),
+    ]
+    timing = manifest.get("timing") or {}
+    if "real_time_factor" in timing:
+        rows.append(("speed", f"{timing['real_time_factor']:.3g} × real time"))
+    rows += [
+        (f"FMU {each['source']}", f"FMI {each['fmi']}, SHA-256 {each['sha256'][:16]}…")
+        for each in {
+            each["sha256"]: each for each in _components(manifest) if each.get("sha256")
+        }.values()
+    ]
+    rows += [(file, f"SHA-256 {sha[:16]}…") for file, sha in (manifest.get("files") or {}).items()]
+    return rows
+
+
+def _components(manifest: Mapping[str, Any]) -> list[dict[str, Any]]:
+    return list((manifest.get("components") or {}).values())
+
+
+def _expected(verdict: Mapping[str, Any]) -> str:
+    threshold = verdict["threshold"]
+    if isinstance(threshold, list | tuple):
+        return " to ".join(human(each, verdict["unit"]) for each in threshold)
+    return human(threshold, verdict["unit"])
+
+
+def _time(value: float) -> str:
+    """Seconds, as a person reads them."""
+    for factor, unit in ((1.0, "s"), (1e3, "ms")):
+        if value * factor >= 1.0:
+            return f"{value * factor:.3g} {unit}"
+    return f"{value * 1e6:.3g} µs"
