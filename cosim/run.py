@@ -24,12 +24,13 @@ from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
 from cosim.record.writer import Recorder
+from cosim.report.drawings import Drawings
 from cosim.report.expectation import Expectation
-from cosim.report.summary import SUMMARY_FILE, Summary, facts, summarise
+from cosim.report.summary import SUMMARY_FILE, Summary, summarise
 from cosim.scenario import Kind, Scenario
 from cosim.scenario.resolved import to_yaml
+from cosim.scene import describe_scene
 
-FIGURE_FILE = "overview.png"
 LOG_FILE = "fmu.log"
 Execute = Callable[[Simulation, Recorder, Progress | None], None]
 """Runs a simulation to its end into a recorder."""
@@ -109,6 +110,7 @@ def run_scenario(
     execute: Execute | None = None,
     deadlines: Callable[[], Mapping[str, Any]] | None = None,
     figure: bool = True,
+    page: bool | None = None,
     instances: Mapping[str, Component] | None = None,
     judge: Judge | None = None,
     say: Callable[[str], None] | None = None,
@@ -119,8 +121,10 @@ def run_scenario(
 
     Ctrl-C and an error in the loop end the run early; what was reached is recorded, summarised and
     drawn all the same. ``execute`` runs the simulation elsewhere (in a process of its own) in place
-    of ``simulation.run``. ``deadlines`` is asked for its statistics after a paced run, ``link``
-    for those of a real link. ``instances`` holds components that exist already, by name.
+    of ``simulation.run``. ``figure`` has ``overview.png`` drawn and ``page`` ``report.html`` made,
+    the page as the figure where nothing is said. ``deadlines`` is asked for its statistics after a
+    paced run, ``link`` for those of a real link. ``instances`` holds components that exist already,
+    by name.
     ``judge`` looks at devices before anything begins; ``say`` hears what is probably not meant.
     ``watcher`` is told how far the run is.
 
@@ -165,7 +169,9 @@ def run_scenario(
         leave(lambda: write_manifest(folder, manifest))
         if outcome.said:
             leave(lambda: _write_log(folder / LOG_FILE, outcome))
-        content = _report(folder, manifest, recorder, expectations, leave if figure else None)
+        scene = describe_scene(simulation.assembly, simulation.groups)
+        drawings = Drawings(figure, figure if page is None else page, scene)
+        content = _report(folder, manifest, recorder, expectations, drawings, leave=leave)
         # Last, so that it is the peak of everything, the figure included.
         content["peak_memory"] = peak_memory()
         leave(lambda: write_json(folder / SUMMARY_FILE, content))
@@ -213,22 +219,17 @@ def _report(
     manifest: Mapping[str, Any],
     recorder: Recorder,
     expectations: Sequence[Expectation],
-    leave: _Leaver | None,
+    drawings: Drawings,
+    *,
+    leave: _Leaver,
 ) -> dict[str, Any]:
-    """The summary's content; the overview is drawn through ``leave``."""
+    """The summary's content; what is drawn is written through ``leave``."""
     summaries = recorder.summaries()
     with open_run(folder) as run:
         run.manifest = manifest
         content = dict(summarise(run, expectations, summaries).content)
-        if leave is not None:
-            from cosim.report.overview import draw_overview
-
-            line = facts(content)
-            leave(
-                lambda: replace_file(
-                    folder / FIGURE_FILE, lambda path: draw_overview(run, path, summaries, line)
-                )
-            )
+        for name, write in drawings.files(run, content, summaries).items():
+            leave(lambda name=name, write=write: replace_file(folder / name, write))
     return content
 
 

@@ -67,6 +67,11 @@ if TYPE_CHECKING:
     help="In place of SCENARIO: go on from an earlier run at this time, and compare.",
 )
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
+@click.option(
+    "--report/--no-report",
+    default=None,
+    help="Make report.html.  [default: as the figure]",
+)
 @click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
 @page_options
 @miss_options
@@ -84,6 +89,7 @@ def command(
     snapshots: tuple[str, ...],
     origin: str | None,
     figure: bool,
+    report: bool | None,
     realtime: bool,
     live: bool,
     live_at: str | None,
@@ -159,6 +165,7 @@ def command(
                 progress=progress,
                 execute=_execution(origin, snapshots, live=live),
                 figure=figure,
+                page=report,
                 judge=judge,
                 say=say,
             )
@@ -170,6 +177,7 @@ def command(
                 execute=paced,
                 deadlines=paced.statistics,
                 figure=figure,
+                page=report,
                 judge=judge,
                 say=say,
             )

@@ -59,6 +59,11 @@ if TYPE_CHECKING:
 @output_options
 @click.option("--out", type=OutputFolder(), help="Folder for the run; new or empty.")
 @click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
+@click.option(
+    "--report/--no-report",
+    default=None,
+    help="Make report.html.  [default: as the figure]",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
     *,
@@ -81,6 +86,7 @@ def command(
     dead_man: str | None,
     out: Path | None,
     figure: bool,
+    report: bool | None,
     as_json: bool,
 ) -> None:
     """Run one station of SCENARIO in real time; its channels become UDP links to the others.
@@ -130,6 +136,7 @@ def command(
             judge=DeviceJudge(realtime=True),
             out=out,
             figure=figure,
+            page=report,
         )
     if as_json:
         click.echo(json.dumps(finished.summary.content))

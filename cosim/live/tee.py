@@ -41,7 +41,7 @@ def run_watched(
 
     ``starter`` is the process that was asked for the run: it can be looked for by that number, too.
     """
-    from cosim.live.scene import describe_scene
+    from cosim.scene import describe_scene
 
     scenario, groups = simulation.scenario, simulation.groups
     rings = make_rings(groups, scenario.base_rate)

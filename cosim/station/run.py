@@ -105,6 +105,7 @@ def run_station(
     judge: Judge | None = None,
     out: Path | None = None,
     figure: bool = True,
+    page: bool | None = None,
 ) -> Finished:
     """Run station ``own`` of a scenario in real time, linked to the others.
 
@@ -181,6 +182,7 @@ def run_station(
             execute=execute,
             deadlines=execute.statistics,
             figure=figure,
+            page=page,
             instances=instances,
             say=say,
             link=execute.found,

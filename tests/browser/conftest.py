@@ -75,11 +75,11 @@ def shown(browser, address, width=1000, height=800, **options):
         context.close()
 
 
-def until(page, expression, seconds=15.0):
+def until(page, expression, seconds=15.0, ready="cohaptic"):
     """Wait until an expression holds in the page, and return its value."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        value = page.evaluate(f"globalThis.cohaptic ? ({expression}) : null")
+        value = page.evaluate(f"globalThis.{ready} ? ({expression}) : null")
         if value:
             return value
         time.sleep(0.05)

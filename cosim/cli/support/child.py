@@ -45,6 +45,7 @@ def run_in_child(
     *,
     progress: Progress | None,
     figure: bool,
+    page: bool | None,
     judge: Judge,
     say: Callable[[str], None],
     execute: Execute | None = None,
@@ -60,7 +61,14 @@ def run_in_child(
     """
     if not hasattr(os, "fork") or not hasattr(signal, "sigtimedwait"):
         return run_scenario(
-            scenario, out, progress=progress, execute=execute, figure=figure, judge=judge, say=say
+            scenario,
+            out,
+            progress=progress,
+            execute=execute,
+            figure=figure,
+            page=page,
+            judge=judge,
+            say=say,
         )
     whereabouts = Whereabouts()
     ear, mouth = os.pipe()
@@ -83,6 +91,7 @@ def run_in_child(
                     progress=teller.progress if progress is not None else None,
                     execute=execute,
                     figure=figure,
+                    page=page,
                     judge=judge,
                     say=say,
                     watcher=teller,

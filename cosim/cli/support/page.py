@@ -51,6 +51,6 @@ def live_page(*, live: bool, live_at: str | None, wanted: str | None) -> Generat
 
 def scene_of(simulation: Simulation) -> Mapping[str, Any]:
     """What who watches is told besides the signals."""
-    from cosim.live.scene import describe_scene
+    from cosim.scene import describe_scene
 
     return {"scene": describe_scene(simulation.assembly, simulation.groups)}

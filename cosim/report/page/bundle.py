@@ -11,7 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 _IMPORT = re.compile(r'^import (?:(\w+)|(\{[^}]*\})) from "([^"]+)";$', re.MULTILINE)
-_DECLARED = re.compile(r"^export (?=(?:class|function|const|let|async function) (\w+))", re.MULTILINE)
+_DECLARED = re.compile(
+    r"^export (?=(?:class|function|const|let|async function) (\w+))", re.MULTILINE
+)
+_COMMENT = re.compile(r"^/\*(?!\*).*?\*/", re.MULTILINE | re.DOTALL)
+"""A block that is switched off may hold exports; one that begins with two stars is a notice."""
 _LISTED = re.compile(r"^export \{([^}]*)\};?$", re.MULTILINE)
 
 
@@ -50,7 +54,7 @@ def _wrapped(name: str, text: str, known: set[str]) -> str:
             exported.append(f"{outer}: {inner}" if outer else inner)
         return ""
 
-    text = _IMPORT.sub(imported, text)
+    text = _IMPORT.sub(imported, _COMMENT.sub("", text))
     text = _DECLARED.sub(declared, text)
     text = _LISTED.sub(listed, text)
     if left := re.search(r"^(?:import|export)\b.*", text, re.MULTILINE):

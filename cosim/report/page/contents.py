@@ -8,7 +8,7 @@ the scene moves by comes at least ``SCENE_RATE`` times a second. Equal signals a
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +71,7 @@ def contents(
         "duration": float(run.ticks / run.base_rate),
         "signals": signals,
         "panels": _panels(run),
-        "scene": dict(scene) if moving else None,
+        "scene": dict(scene) if scene and moving else None,
         "poses": [_pose(run, run[name], pages) for name in moving],
         "packed": pages.packed,
     }
@@ -146,8 +146,8 @@ def _texts(entry: Any) -> Iterator[str]:
     if isinstance(entry, str):
         yield entry
     elif isinstance(entry, Mapping):
-        for value in entry.values():
+        for value in cast("Mapping[str, Any]", entry).values():
             yield from _texts(value)
     elif isinstance(entry, list):
-        for each in entry:
+        for each in cast("list[Any]", entry):
             yield from _texts(each)

@@ -26,7 +26,6 @@ from cosim.report.page.tables import (
 )
 from cosim.report.summary import facts
 
-REPORT_FILE = "report.html"
 HERE = Path(__file__).parent
 LIVE = HERE.parents[1] / "live" / "page"
 """The live page, whose scene, colours and plots these are."""

@@ -48,12 +48,12 @@ def pack(values: NDArray[Any]) -> dict[str, Any]:
 def unpack(packed: dict[str, Any]) -> NDArray[np.float64]:
     """The values again, shape (rows,): what the page shows."""
     if "data" not in packed:
-        return np.full(packed["rows"], packed["low"])
+        return np.full(int(packed["rows"]), float(packed["low"]))
     content = zlib.decompress(base64.b64decode(packed["data"]), -zlib.MAX_WBITS)
     planes = np.frombuffer(content, np.uint8).reshape(2, -1)
     differences = np.ascontiguousarray(planes.T).view("<u2")[:, 0]
-    steps = np.cumsum(differences, dtype=np.uint16)
-    values = packed["low"] + packed["step"] * steps.astype(np.float64)
+    steps: NDArray[np.uint16] = np.cumsum(differences, dtype=np.uint16)
+    values: NDArray[np.float64] = packed["low"] + packed["step"] * steps.astype(np.float64)
     values[steps == NAN] = np.nan
     return values
 

@@ -5,6 +5,7 @@ import { colours, onTheme, user } from "./theme.js";
 import { STATES, Scene, mark } from "./scene.js";
 
 const HEIGHT = 170;
+const POINTS = 2048; // twice as many are drawn of a line, about two for each pixel
 const data = JSON.parse(document.getElementById("data").textContent);
 const byName = new Map(data.signals.map((signal) => [signal.name, signal]));
 const unpacked = new Map();
@@ -66,14 +67,11 @@ async function addPlot(names, unit) {
   }
   const length = Math.max(...lines.map((line) => line.values.length));
   const period = Math.min(...lines.map((line) => line.of.period));
-  const time = Float64Array.from({ length }, (_, row) => row * period);
   const aligned = lines.map((line) => {
     const ratio = line.of.period / period;
-    if (ratio === 1 && line.values.length === length) return nulls(line.values);
-    return Array.from({ length }, (_, row) => {
-      const value = line.values[Math.min(line.values.length - 1, Math.floor(row / ratio + 1e-9))];
-      return Number.isNaN(value) ? null : value;
-    });
+    if (ratio === 1 && line.values.length === length) return line.values;
+    return Float64Array.from({ length }, (_, row) =>
+      line.values[Math.min(line.values.length - 1, Math.floor(row / ratio + 1e-9))]);
   });
   const figure = document.createElement("figure");
   const caption = document.createElement("figcaption");
@@ -87,8 +85,12 @@ async function addPlot(names, unit) {
   caption.append(note, close);
   figure.append(caption);
   parent.append(figure);
-  const plot = new uPlot(options(lines, byName.get(names[0]).items), [time, ...aligned], figure);
-  const entry = { plot, figure };
+  const found = visible(aligned, period);
+  const plot = new uPlot(options(lines, byName.get(names[0]).items), found, figure);
+  const marker = document.createElement("div");
+  marker.className = "marker";
+  plot.over.append(marker);
+  const entry = { plot, figure, marker, aligned, period };
   plots.push(entry);
   close.onclick = () => {
     plots.splice(plots.indexOf(entry), 1);
@@ -96,11 +98,39 @@ async function addPlot(names, unit) {
     figure.remove();
   };
   plot.setScale("x", { min: range[0], max: range[1] });
+  place(entry);
 }
 
-function nulls(found) {
-  return found.some(Number.isNaN) ? Array.from(found, (value) => (Number.isNaN(value) ? null : value)) : found;
+/** Times and columns of the rows in view; of many, the least and greatest of each few. */
+function visible(columns, period) {
+  const first = Math.max(0, Math.floor(range[0] / period) - 1);
+  const last = Math.min(columns[0].length, Math.ceil(range[1] / period) + 2);
+  const size = Math.ceil((last - first) / POINTS);
+  if (size <= 2) {
+    const rows = Math.max(0, last - first);
+    const time = Float64Array.from({ length: rows }, (_, row) => (first + row) * period);
+    return [time, ...columns.map((column) => Array.from(column.subarray(first, last), known))];
+  }
+  const bins = Math.ceil((last - first) / size);
+  const time = Float64Array.from({ length: 2 * bins }, (_, row) => (first + (row * size) / 2) * period);
+  return [time, ...columns.map((column) => {
+    const found = new Array(2 * bins);
+    for (let bin = 0; bin < bins; bin++) {
+      let low = Infinity;
+      let high = -Infinity;
+      const end = Math.min(last, first + (bin + 1) * size);
+      for (let row = first + bin * size; row < end; row++) {
+        if (column[row] < low) low = column[row];
+        if (column[row] > high) high = column[row];
+      }
+      found[2 * bin] = low <= high ? low : null;
+      found[2 * bin + 1] = low <= high ? high : null;
+    }
+    return found;
+  })];
 }
+
+const known = (value) => (Number.isNaN(value) ? null : value);
 
 let zooming = false;
 
@@ -108,7 +138,13 @@ function zoom(min, max) {
   if (zooming || (range[0] === min && range[1] === max)) return;
   zooming = true;
   range = [min, max];
-  for (const { plot } of plots) plot.setScale("x", { min, max });
+  for (const entry of plots) {
+    entry.plot.batch(() => {
+      entry.plot.setData(visible(entry.aligned, entry.period), false);
+      entry.plot.setScale("x", { min, max });
+    });
+    place(entry);
+  }
   zooming = false;
 }
 
@@ -131,13 +167,13 @@ function options(lines, items) {
     height: HEIGHT,
     bands,
     cursor: { sync: { key: "time" }, points: { show: false }, drag: { x: true, y: false } },
-    scales: { x: { time: false } },
+    scales: { x: { time: false }, y: { range: room } },
     axes: [
       { ...axis, size: 28, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(4)} s`) },
       { ...axis, size: items ? 120 : 62, values: named },
     ],
     series: [
-      { value: (_, value) => (value === null ? "" : `${value.toFixed(4)} s`) },
+      { label: "time", value: (_, value) => (value === null ? "" : `${value.toFixed(4)} s`) },
       ...lines.map((line) => ({
         label: line.name,
         stroke: () => user(line.index),
@@ -150,7 +186,6 @@ function options(lines, items) {
     ],
     hooks: {
       setScale: [(plot, key) => key === "x" && zoom(plot.scales.x.min, plot.scales.x.max)],
-      draw: [marker],
       ready: [(plot) => {
         let down = null;
         plot.over.addEventListener("mousedown", (event) => (down = event.clientX));
@@ -165,29 +200,29 @@ function options(lines, items) {
   };
 }
 
-/** A line at the moment of the slider. */
-function marker(plot) {
-  if (!data.scene || now < plot.scales.x.min || now > plot.scales.x.max) return;
-  const x = Math.round(plot.valToPos(now, "x", true));
-  const pen = plot.ctx;
-  pen.save();
-  pen.strokeStyle = colours.ink;
-  pen.lineWidth = 1;
-  pen.beginPath();
-  pen.moveTo(x, plot.bbox.top);
-  pen.lineTo(x, plot.bbox.top + plot.bbox.height);
-  pen.stroke();
-  pen.restore();
+/** The ends of an axis: some room, also around a value that stands still. */
+function room(_, low, high) {
+  if (low === null) return [0, 1];
+  const space = high > low ? 0.06 * (high - low) : Math.abs(high) || 1;
+  return [low - space, high + space];
 }
 
-watchers.push(() => {
-  for (const { plot } of plots) plot.redraw(false, false);
-});
+/** Put a plot's upright line to the moment of the slider; nothing is drawn again for it. */
+function place({ plot, marker }) {
+  const { min, max } = plot.scales.x;
+  marker.hidden = !data.scene || now < min || now > max;
+  if (!marker.hidden) marker.style.transform = `translateX(${plot.valToPos(now, "x")}px)`;
+}
+
+watchers.push(() => plots.forEach(place));
 onTheme(() => {
   for (const { plot } of plots) plot.redraw(false, true);
 });
 new ResizeObserver(() => {
-  for (const { plot } of plots) plot.setSize({ width: parent.clientWidth, height: HEIGHT });
+  for (const entry of plots) {
+    entry.plot.setSize({ width: parent.clientWidth, height: HEIGHT });
+    place(entry);
+  }
 }).observe(parent);
 
 const input = document.getElementById("signal");
@@ -297,6 +332,9 @@ async function main() {
   for (const { signals, unit } of data.panels) await addPlot(signals, unit);
   document.documentElement.dataset.ready = "yes";
 }
+
+// For whoever opens the console: the record by name, and the slider.
+globalThis.report = { data, moveTo, values: (name) => values(byName.get(name).rows) };
 
 main().catch((error) => {
   const note = document.createElement("p");

@@ -63,11 +63,10 @@ def deadline_table(content: Mapping[str, Any]) -> dict[str, Any] | None:
         for key, value in found.items()
         if isinstance(value, int | float | str)
     ]
-    causes = [
-        (cause, str(of["misses"]), _time(of["seconds"]))
-        for cause, of in (found.get("causes") or {}).items()
-    ]
-    bars = [(float(below), int(count)) for below, count in found.get("histogram") or ()]
+    why: Mapping[str, Mapping[str, Any]] = found.get("causes") or {}
+    causes = [(cause, str(of["misses"]), _time(of["seconds"])) for cause, of in why.items()]
+    histogram: Sequence[tuple[float, int]] = found.get("histogram") or ()
+    bars = [(float(below), int(count)) for below, count in histogram]
     most = max((math.log1p(count) for _, count in bars), default=0.0) or 1.0
     return {
         "rows": rows,
@@ -100,8 +99,8 @@ def saturation_rows(run: Run, scene: Mapping[str, Any] | None) -> list[Row]:
 def provenance_rows(run: Run, digest: str) -> list[Row]:
     """What would be needed to run it again."""
     manifest = run.manifest
-    scenario = manifest.get("scenario") or {}
-    versions = manifest.get("versions") or {}
+    scenario = _of(manifest, "scenario")
+    versions = _of(manifest, "versions")
     rows: list[Row] = [
         ("scenario", str(scenario.get("name", ""))),
         ("seed", str(scenario.get("seed", ""))),
@@ -110,30 +109,32 @@ def provenance_rows(run: Run, digest: str) -> list[Row]:
         ("digest", digest),
         ("started", str(manifest.get("started", ""))),
         ("versions", ", ".join(f"{name} {version}" for name, version in versions.items())),
-        ("machine", " ".join(str(v) for v in (manifest.get("platform") or {}).values())),
+        ("machine", " ".join(str(v) for v in _of(manifest, "platform").values())),
     ]
-    timing = manifest.get("timing") or {}
+    timing = _of(manifest, "timing")
     if "real_time_factor" in timing:
         rows.append(("speed", f"{timing['real_time_factor']:.3g} × real time"))
     rows += [
         (f"FMU {each['source']}", f"FMI {each['fmi']}, SHA-256 {each['sha256'][:16]}…")
         for each in {
-            each["sha256"]: each for each in _components(manifest) if each.get("sha256")
+            each["sha256"]: each
+            for each in _of(manifest, "components").values()
+            if each.get("sha256")
         }.values()
     ]
-    rows += [(file, f"SHA-256 {sha[:16]}…") for file, sha in (manifest.get("files") or {}).items()]
-    return rows
+    files = _of(manifest, "files")
+    return rows + [(file, f"SHA-256 {sha[:16]}…") for file, sha in files.items()]
 
 
-def _components(manifest: Mapping[str, Any]) -> list[dict[str, Any]]:
-    return list((manifest.get("components") or {}).values())
+def _of(manifest: Mapping[str, Any], part: str) -> Mapping[str, Any]:
+    """A part of the manifest; empty where it has none, as that of an older run."""
+    return manifest.get(part) or {}
 
 
 def _expected(verdict: Mapping[str, Any]) -> str:
-    threshold = verdict["threshold"]
-    if isinstance(threshold, list | tuple):
-        return " to ".join(human(each, verdict["unit"]) for each in threshold)
-    return human(threshold, verdict["unit"])
+    threshold: float | Sequence[float] = verdict["threshold"]
+    ends = threshold if isinstance(threshold, Sequence) else (threshold,)
+    return " to ".join(human(each, verdict["unit"]) for each in ends)
 
 
 def _time(value: float) -> str:

@@ -38,6 +38,8 @@ def test_a_run_leaves_its_record_its_manifest_and_the_scenario_that_ran(tmp_path
         "overview.png",
         "run.h5",
         "scenario.resolved.yaml",
+        "report.html",
+        "scene.json",
         "summary.json",
     }
     manifest = json.loads((folder / "manifest.json").read_text())

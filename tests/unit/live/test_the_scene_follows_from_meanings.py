@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from cosim.live import scene as scene_module
-from cosim.live.scene import describe_scene, signals_of
+from cosim import scene as scene_module
 from cosim.master.run.simulation import assemble
 from cosim.reading import load
+from cosim.scene import describe_scene, signals_of
 from tests.support.live.renamed import BOX, write_scenario
 
 

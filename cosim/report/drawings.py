@@ -1,0 +1,90 @@
+"""What is drawn of a run when it has ended: an overview, a page, and the scene as both need it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cosim.record.reader import Run
+from cosim.record.statistics import ColumnSummary
+from cosim.report.summary import facts
+
+FIGURE_FILE = "overview.png"
+REPORT_FILE = "report.html"
+SCENE_FILE = "scene.json"
+
+Write = Callable[[Path], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawings:
+    """Which files a run leaves beside its record.
+
+    Attributes:
+        figure: whether there is an overview.
+        page: whether there is a page.
+        scene: what can be drawn of the run (``cosim.scene``).
+    """
+
+    figure: bool
+    page: bool
+    scene: Mapping[str, Any] | None = None
+
+    def files(
+        self, run: Run, content: Mapping[str, Any], summaries: Mapping[str, ColumnSummary]
+    ) -> dict[str, Write]:
+        """By name what writes each file; nothing is drawn yet.
+
+        Args:
+            run: the record, open.
+            content: the run's summary.
+            summaries: statistics and envelope of each signal, by name.
+        """
+        found: dict[str, Write] = {}
+        scene = self.scene if self.scene is not None and has_things(self.scene) else None
+        if scene is not None:
+            text = json.dumps(scene, indent=1) + "\n"
+            found[SCENE_FILE] = lambda path: _write_text(path, text)
+        if self.figure:
+            found[FIGURE_FILE] = lambda path: _draw(run, path, summaries, facts(content))
+        if self.page:
+            found[REPORT_FILE] = lambda path: _write_page(run, path, content, summaries, scene)
+        return found
+
+
+def has_things(scene: Mapping[str, Any]) -> bool:
+    """Whether there is anything in a scene that moves."""
+    return any(scene.get(kind) for kind in ("boxes", "fingers", "bodies"))
+
+
+def read_scene(folder: Path) -> dict[str, Any] | None:
+    """The scene that a run left in its folder, if it did."""
+    try:
+        return json.loads((folder / SCENE_FILE).read_text(encoding="utf-8"))
+    except (OSError, json.JSONDecodeError):
+        return None
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _draw(run: Run, path: Path, summaries: Mapping[str, ColumnSummary], line: str) -> None:
+    from cosim.report.overview import draw_overview
+
+    draw_overview(run, path, summaries, line)
+
+
+def _write_page(
+    run: Run,
+    path: Path,
+    content: Mapping[str, Any],
+    summaries: Mapping[str, ColumnSummary],
+    scene: Mapping[str, Any] | None,
+) -> None:
+    from cosim.report.page.document import write_page
+
+    write_page(run, path, content, summaries, scene)
