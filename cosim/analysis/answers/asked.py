@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from cosim.analysis.answers.names import names_of
+from cosim.analysis.answers.names import names_of, overrides
 from cosim.analysis.compensation import tuned
 from cosim.analysis.monodromy.idealised import WINDOW, idealised
 from cosim.analysis.monodromy.point import Point, find_point
@@ -118,9 +118,8 @@ def ask(
     """
     written = tuned(written)
     scenario = written.built()
-    asked = AskedRun(written, scenario, at, (), names_of(scenario))
     if settings:
-        written = written.changed([text for pair in settings for text in asked.sets(*pair)])
+        written = written.changed(overrides(scenario, dict(settings)))
         scenario = written.built()
     notes: tuple[str, ...] = ()
     if ideal:

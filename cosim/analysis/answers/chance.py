@@ -103,7 +103,9 @@ def _blocks(point: Point, maps: list[Real]) -> tuple[Real, ...]:
     for block in connected_blocks(maps, kept):
         size = run.steps[block]
         inner = [one[np.ix_(block, block)] * size[None, :] / size[:, None] for one in maps]
-        if block.size == 1 and not any(one.any() for one in inner):
+        if block.size == 1 and (
+            not any(one.any() for one in inner) or all(one[0, 0] == 1.0 for one in inner)
+        ):
             continue
         units = [run.coordinates[number].unit for number in map(int, block)]
         if run.is_linear:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cosim.analysis.single_axis import ScenarioLoop, paths_of_leaves, read_single_axis
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
@@ -29,3 +31,27 @@ def closed_form_of(scenario: Scenario) -> ScenarioLoop | None:
         return read_single_axis(scenario)
     except InputError:
         return None
+
+
+def overrides(scenario: Scenario, given: Mapping[str, float]) -> list[str]:
+    """The overrides that give parameters by the thesis's names; of a pair one stands for both.
+
+    Raises:
+        InputError: the scenario has no such parameter.
+    """
+    loop = closed_form_of(scenario)
+    if loop is None:
+        raise InputError(
+            f"{next(iter(given))} is a name of chapters 3 to 6, and the scenario is no loop of "
+            "theirs: give a path, such as --set components.NAME.parameters.KEY=VALUE."
+        )
+    parameters = Parameters(loop.architecture, given, loop.values, loop.users)
+    leaves = paths_of_leaves(scenario)
+    found: list[str] = []
+    for leaf in parameters.leaves:
+        if parameters.source(leaf) not in parameters.given:
+            continue
+        if leaf not in leaves:
+            raise InputError(f"The scenario has nothing that {leaf} could be.")
+        found += [f"{path}={parameters[leaf]!r}" for path in leaves[leaf]]
+    return found

@@ -82,7 +82,9 @@ def spectrum(
     for block in connected_blocks([matrix], kept):
         units = [coordinates[number].unit for number in map(int, block)]
         inner = balanced[np.ix_(block, block)] if not is_linear else matrix[np.ix_(block, block)]
-        if block.size == 1 and inner[0, 0] == 0.0:
+        if block.size == 1 and inner[0, 0] in {0.0, 1.0}:
+            # An integrator in no loop: a body that nothing holds or drives on.
+            neutral += int(inner[0, 0])
             continue
         left = quotient([inner], units, is_linear=is_linear)
         neutral += left.neutral

@@ -12,7 +12,8 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile
 from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
 from cosim.theory.chance.network import Network
-from cosim.theory.design import design, overlay
+from cosim.theory.design.overlay import overlay
+from cosim.theory.design.search import design
 
 
 @click.command(cls=JsonCommand)
@@ -28,8 +29,10 @@ from cosim.theory.design import design, overlay
     type=Number(0, 100),
     default=0.25,
     show_default=True,
-    help="Stable with stiffness and damping larger by this fraction.",
+    help="Stable with stiffness, damping or masses more or less by this fraction.",
 )
+@click.option("--explain", is_flag=True, help="Say what limits each stiffness; takes longer.")
+@click.option("--confirm", is_flag=True, help="Ask the simulation in every corner as well.")
 @click.option("--out", type=OutputFile(), help="Write the overlay here.")
 @loop_options(chapter=5)
 def command(
@@ -40,9 +43,15 @@ def command(
     jitter: float | None,
     loss: float | None,
     margin: float,
+    explain: bool,
+    confirm: bool,
     out: Path | None,
 ) -> None:
-    """The stiffest couplers, their damping and the compensation, mean-square stable with a margin.
+    """The stiffest couplers, their damping and the compensation, stable in every corner.
+
+    The corners: stiffness, damping and masses times 1 ± margin, a sample of delay more and less,
+    fewer hands and none, the network's loss and jitter; all with the compensation in. The worst is
+    named.
 
     With --scenario, delay, jitter and loss are those of its channels, the worse direction's where
     they differ. A gain given with --set is kept. The result is an overlay for the single-axis
@@ -71,15 +80,25 @@ def command(
         jitter=known.jitter if jitter is None else jitter,
         loss=known.loss if loss is None else loss,
     )
-    found = design(loop.parameters, network, timing.control_period, margin)
+    found = design(loop.parameters, network, timing.control_period, margin, explain=explain)
     written = overlay(loop.parameters, found)
     if out is not None:
         with writing(out):
             out.write_text(written, encoding="utf-8")
-    result = {
+    said: list[str] = []
+    result: dict[str, object] = {}
+    if confirm:
+        from cosim.analysis.answers.confirmed import confirmed
+
+        seen = confirmed(loop.parameters, network, found, margin)
+        worst = max(seen, key=lambda name: seen[name])
+        said.append(f"in the simulation: {worst}, radius {seen[worst]:.6g}")
+        result["simulated_corners"] = seen
+    result |= {
         "gains": found.gains,
         "compensation": found.compensation,
-        "mean_square_radius": found.mean_square_radius,
+        "corners": found.corners,
+        "worst_corner": found.worst,
         "limited_by": found.limited_by,
         "limits": found.limits,
         "margin": margin,
@@ -97,9 +116,11 @@ def command(
         [
             describe(Loop(loop.parameters, found.timing)),
             (
-                f"mean-square radius {found.mean_square_radius:.6g} with compensation "
+                f"stable in all {len(found.corners)} corners with compensation "
                 f"{found.compensation:.4g} N·s/m"
             ),
+            f"nearest to instability: {found.worst}, radius {found.corners[found.worst]:.6g}",
+            *said,
             *reasons,
             where,
         ]

@@ -34,7 +34,7 @@ SLOW: list[tuple[str, list[str]]] = [
     ("two_users_box", station("mass", 0.8)),
     ("two_users_box", ["rates.network=64 Hz"]),
     ("two_users_box", ["channels.lan.round_trip_delay='7 ticks'"]),
-    ("two_users_box", [f"components.finger_{f}.parameters.device=haply" for f in ("a1", "a2")]),
+    ("two_users_box", [f"components.finger_{f}.parameters.substeps=2" for f in ("a1", "a2")]),
     ("two_users_box", [f"components.finger_{f}.parameters.finger_mass=0.12" for f in ("a1", "b1")]),
     *(
         ("two_users_box_centralized", [f"{SERVER}.remote_normal_stiffness={k}", *more])
@@ -49,35 +49,37 @@ SLOW: list[tuple[str, list[str]]] = [
 ]
 
 
-def fitted(run: RunMap, start: np.ndarray, shape: np.ndarray) -> complex:
-    """The eigenvalue over one hyperperiod that a motion along a shape shows."""
+def fitted(run: RunMap, start: np.ndarray, shape: np.ndarray, *, swings: bool) -> complex:
+    """The eigenvalue over one hyperperiod that a motion along a shape shows.
+
+    The runs with and without the push are compared, so that what the operating point still drifts
+    (1e-11) does not count.
+    """
     seen: list[np.ndarray] = []
-    state = start + shape
+    pushed, left = start + shape, start - shape
     for _ in range(PERIODS):
-        state = run(state)
-        seen.append(state - start)
-    rows = np.array(seen)
-    scale = np.abs(shape).max() / np.maximum(np.abs(shape), 1e-3 * np.abs(shape).max())
-    rows = rows * np.where(np.abs(shape) > 1e-3 * np.abs(shape).max(), scale, 0.0)
+        pushed, left = run(pushed), run(left)
+        seen.append(pushed - left)
+    rows = np.array(seen)[:, np.abs(shape) > 0.01 * np.abs(shape).max()]
+    if not swings:
+        return complex((rows[1:] * rows[:-1]).sum() / (rows[:-1] ** 2).sum())
     first, second, third = (rows[n : PERIODS - 2 + n].reshape(-1) for n in range(3))
     a, b = np.linalg.lstsq(np.column_stack([second, first]), third, rcond=None)[0]
-    roots = np.roots([1.0, -a, -b])
-    return complex(roots[np.argmax(np.abs(roots))])
+    return complex(np.roots([1.0, -a, -b])[0])
 
 
 def check(name: str, sets: list[str]) -> None:
     with ask(read(name, (), sets)) as asked:
         point = asked.point()
         mode = point.spectrum(with_modes=True).modes[0]
-        share = float(point.seconds / point.period)
         value = cmath.exp(complex(mode.growth, mode.frequency) * float(point.seconds))
         shape = np.real(mode.shape * np.exp(-1j * np.angle(mode.shape[np.argmax(abs(mode.shape))])))
         run, start = point.run, point.run.start.copy()
         run.undisturbed(start)
-        found = fitted(run, start, 1e-7 * shape / np.abs(shape).max())
-        assert abs(found) == pytest.approx(abs(value), rel=1e-3), share
-        if mode.frequency:
-            assert abs(cmath.phase(found)) == pytest.approx(abs(cmath.phase(value)), rel=1e-2)
+        swings = mode.frequency > 0.0
+        found = fitted(run, start, 1e-6 * shape / np.abs(shape).max(), swings=swings)
+        assert abs(found) == pytest.approx(abs(value), rel=1e-3)
+        assert abs(cmath.phase(found)) == pytest.approx(abs(cmath.phase(value)), rel=1e-3)
 
 
 @pytest.mark.parametrize("number", range(len(RUNS)))
