@@ -16,6 +16,7 @@ from cosim.cli.support.stdout import reserve_stdout
 COMMANDS = {
     "check": "Read a scenario, load its FMUs, and report every problem in one go.",
     "device": "Real devices: find, check, home, calibrate, emulate.",
+    "doctor": "Look whether this machine can run devices, and say what to do.",
     "fmu": "List, inspect, validate, export, write and build FMUs.",
     "keygen": "Make a pre-shared key for a link between workstations.",
     "live": "Watch a paced run from another terminal.",

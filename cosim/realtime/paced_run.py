@@ -23,7 +23,8 @@ from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer
-from cosim.realtime.live import Feed
+from cosim.realtime.leftovers import remove_leftovers
+from cosim.realtime.live import Feed, shared_folder
 from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
 from cosim.realtime.relay import RelayPump, make_rings
 from cosim.realtime.ring import Ring
@@ -200,6 +201,7 @@ class _Run:
 
     def open_shared(self) -> None:
         """Open the devices whose ports the other processes can go on with."""
+        remove_leftovers(shared_folder())
         self._pulse.who = Who.COMMAND
         for _ in self._opening(shared=True):
             pass

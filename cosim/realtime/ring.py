@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import contextlib
 import mmap
+import os
+import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +19,9 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+if sys.platform != "win32":
+    import fcntl
 
 _HEAD_CELLS = 8
 _MAGIC = 0x636F68617074
@@ -27,6 +32,7 @@ class Ring:
 
     def __init__(self, path: Path, *, read_only: bool = False) -> None:
         self.path = path
+        self._held: int | None = None
         with path.open("rb" if read_only else "r+b") as file:
             if path.stat().st_size < 8 * _HEAD_CELLS:
                 raise FileNotFoundError(f"{path} is no ring of ours")
@@ -50,6 +56,7 @@ class Ring:
     @classmethod
     def create(cls, cells: int, capacity: int = 4096, path: Path | None = None) -> Self:
         """A new ring, in memory where the system has a place for that."""
+        in_memory = path is None
         if path is None:
             shared = Path("/dev/shm")
             folder = shared if shared.is_dir() else Path(tempfile.gettempdir())
@@ -57,7 +64,16 @@ class Ring:
         empty = np.full(_HEAD_CELLS + capacity * (cells + 2), -1, np.int64)
         empty[:4] = (_MAGIC, 0, capacity, cells)
         path.write_bytes(empty.tobytes())
-        return cls(path)
+        ring = cls(path)
+        if in_memory:
+            ring._hold()
+        return ring
+
+    def _hold(self) -> None:
+        """Keep it from being swept away, for as long as a process of this run lives."""
+        if sys.platform != "win32":
+            self._held = os.open(self.path, os.O_RDONLY)
+            fcntl.flock(self._held, fcntl.LOCK_SH)
 
     @property
     def written(self) -> int:
@@ -112,6 +128,9 @@ class Ring:
 
     def close(self) -> None:
         """Let go of the mapping."""
+        if self._held is not None:
+            os.close(self._held)
+            self._held = None
         self._cells.release()
         del self.head, self.before, self.after, self.values
         with contextlib.suppress(BufferError):

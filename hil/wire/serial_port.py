@@ -35,10 +35,10 @@ class SerialOptions(UrlOptions):
     baud: Annotated[
         int,
         QuantityIn(unit="1", what="baud rate, such as 115200", least=50, most=10**8, whole=True),
-    ] = Field(default=BAUD, description="Bits a second on the wire (UART).")
-
-
-"""USB serial ignores it; a real UART takes ``baud`` from the URL."""
+    ] = Field(default=BAUD, description="Bits a second on a UART; USB serial ignores it.")
+    wait: Annotated[
+        float, QuantityIn(unit="s", what="time, such as 2 or '1500 ms'", least=0, most=60)
+    ] = Field(default=0.0, description="Pause for boards that reset as the port is opened (s).")
 
 
 class SerialPort:
@@ -55,10 +55,10 @@ class SerialPort:
         self.sent = 0
         self.spoil: Callable[[bytes], bytes] | None = None
         """What becomes of a frame on its way, where a board is tried with damaged ones."""
-        baud = read_options(SerialOptions, address).baud
+        options = read_options(SerialOptions, address)
         try:
             self._port: Any = serial.serial_for_url(  # pyright: ignore[reportUnknownMemberType]
-                address.serial_url, baudrate=baud, timeout=0, write_timeout=0
+                address.serial_url, baudrate=options.baud, timeout=0, write_timeout=0
             )
         except (OSError, ValueError) as error:
             raise DeviceGone(f"the port {address.serial_url} cannot be opened: {error}") from error
@@ -69,6 +69,9 @@ class SerialPort:
             except DeviceError:
                 self._port.close()
                 raise
+        if options.wait:
+            wait_for_board(options.wait)
+            self._port.reset_input_buffer()  # what it says as it starts
         self._poll = select.poll()
         if self._descriptor is not None:
             self._poll.register(self._descriptor, select.POLLIN)
@@ -187,6 +190,11 @@ class SerialPort:
             self._port.close()
         if self._control is not None:
             self._control.close()
+
+
+def wait_for_board(seconds: float) -> None:
+    """Give a board that was just reset the time (s) to start."""
+    time.sleep(seconds)
 
 
 def _descriptor(port: Any) -> int | None:

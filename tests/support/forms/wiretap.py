@@ -84,6 +84,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
             super().__init__(**given)
 
     monkeypatch.setattr(serial, "serial_for_url", opened)
+    monkeypatch.setattr(serial_port, "wait_for_board", lambda seconds: said.append(seconds))
     monkeypatch.setattr(can, "Bus", opened)
     monkeypatch.setattr(slcan, "StrictSlcanBus", opened)
     monkeypatch.setattr(can_bus, "CanBus", Bus)

@@ -187,6 +187,8 @@ OPTIONS: dict[Key, tuple[str, str]] = {
         )
     },
     ("SerialOptions", "baud"): ("cobs:///dev/none", "cobs:///dev/none?baud=9600"),
+    ("SerialOptions", "wait"): ("cobs:///dev/none", "cobs:///dev/none?wait=2"),
+    ("HaplyOptions", "wait"): (HAPLY, f"{HAPLY}?wait=1.5"),
     ("HaplyOptions", "baud"): (HAPLY, f"{HAPLY}?baud=9600"),
     ("HaplyOptions", "ports"): (HAPLY, f"{HAPLY}?ports=3,4"),
     **{

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.cli.device_calibrate import calibrate_device
-from cosim.cli.device_conform import conform_device
-from cosim.cli.device_emulate import emulate_device
+from cosim.cli.device.calibrate import calibrate_device
+from cosim.cli.device.conform import conform_device
+from cosim.cli.device.emulate import emulate_device
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import seconds
@@ -60,12 +60,17 @@ def list_drivers(*, as_json: bool) -> None:
 
 
 @command.command("find", cls=JsonCommand)
+@click.option("--scan", is_flag=True, help="Also listen for nodes on each CAN interface.")
 @_JSON
-def find_ports(*, as_json: bool) -> None:
-    """Show serial ports and CAN interfaces that a device could be on."""
-    from hil.setup.search import candidates
+def find_ports(*, scan: bool, as_json: bool) -> None:
+    """Show serial ports and CAN interfaces that a device could be on.
 
-    found = candidates()
+    Ports have names that stay the same (by-id) where the system gives them. With --scan each CAN
+    interface is listened to for half a second; nothing is sent.
+    """
+    from hil.setup.search import candidates, nodes
+
+    found = candidates() + (nodes() if scan else [])
     if as_json:
         click.echo(json.dumps({"candidates": found}))
         return
