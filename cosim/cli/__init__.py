@@ -26,6 +26,7 @@ COMMANDS = {
     "play": "Take a user's place by hand, in a browser.",
     "record": "Look into a run folder: digest, summary, export.",
     "run": "Run a scenario and record it.",
+    "ssp": "Read systems of SSP and OSP, and write scenarios as SSP.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",
     "thesis": "Rerun the experiments of chapters 7 and 8 and judge the thesis by them.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",

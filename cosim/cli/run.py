@@ -112,6 +112,7 @@ def command(
     differ. The new record is whole; it fails where both runs should have the same values and have
     not.
     """
+    from cosim.cli.ssp.system import scenario_of_system
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.child import run_in_child
     from cosim.cli.support.continuation import scenario_to_run
@@ -119,13 +120,18 @@ def command(
     from cosim.cli.support.fmu.alone import is_fmu, scenario_of_fmu
     from cosim.reading import load
     from cosim.run import run_scenario
+    from cosim.ssp.package import is_system
 
     refuse_without_realtime(realtime=realtime, on_miss=on_miss, cpu=cpu)
-    alone = is_fmu(scenario)
-    if not alone and (stop_time or step_size):
+    alone, system = is_fmu(scenario), is_system(scenario)
+    if not (alone or system) and (stop_time or step_size):
         raise InputError("--stop-time and --step-size are for an FMU in place of a scenario.")
-    if alone and (overlays or duration):
-        raise InputError("An FMU runs alone with --stop-time, --step-size and --set.")
+    if system and step_size:
+        raise InputError(
+            "--step-size is for a single FMU; --set components.NAME.rate=… changes one."
+        )
+    if (alone or system) and (overlays or duration):
+        raise InputError("An FMU or a system runs with --stop-time and --set.")
     written = scenario_to_run(
         scenario,
         origin,
@@ -138,6 +144,8 @@ def command(
     loaded = (
         scenario_of_fmu(written, stop_time=stop_time, step_size=step_size, sets=sets)
         if alone
+        else scenario_of_system(written, stop_time=stop_time, sets=sets, say=say)
+        if system
         else load(written, overlays, sets)
     )
     refuse_without_devices(loaded, enable_output=enable_output, yes=yes, dead_man=dead_man)

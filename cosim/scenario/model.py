@@ -143,6 +143,9 @@ class Connection:
     own start value."""
     ignores_unit: bool = False
     """Whether the number passes as it is, whatever the units of both ends say."""
+    factor: float = 1.0
+    offset: float = 0.0
+    """Target = factor * source + offset, behind the conversion of units."""
 
     def __str__(self) -> str:
         return f"{self.source} -> {self.target}" + (f" via {self.via}" if self.via else "")

@@ -147,6 +147,10 @@ def _connection(connection: Connection) -> str | dict[str, Any]:
         written["delay"] = _delay(connection.delay)
     if connection.initial != "source":
         written["initial"] = connection.initial
+    if connection.factor != 1.0:
+        written["factor"] = connection.factor
+    if connection.offset != 0.0:
+        written["offset"] = connection.offset
     if connection.ignores_unit:
         written["unit"] = "ignore"
     is_short = written.keys() <= {"from", "to", "via"} and " " not in f"{connection.source}"

@@ -71,7 +71,7 @@ class _Wirer:
         for pair in pairs:
             self._check_driver(connection, pair)
             self._check_measurable(connection, pair)
-            gain, offset, from_integer = self._conversion(connection, pair)
+            gain, offset, from_integer = self._transformed(connection, pair)
             source: Source = pair.source
             if bundle is not None:
                 source = self._enter(bundle, connection, pair)
@@ -88,7 +88,7 @@ class _Wirer:
             return
         source = self._interface(connection.source.component)
         origin = source.select(connection.source.path)
-        for there, here in _match(connection, source, origin, target, selected):
+        for there, here in match_elements(connection, source, origin, target, selected):
             yield _Pair(
                 Signal(source.component, there.variable, there.index),
                 source.variables[there.variable],
@@ -109,7 +109,7 @@ class _Wirer:
         target = self.knobs.channels[channel.name]
         for dial in dials:
             selected = target.select(dial)
-            for there, here in _match(connection, source, origin, target, selected):
+            for there, here in match_elements(connection, source, origin, target, selected):
                 yield _Pair(
                     Signal(source.component, there.variable, there.index),
                     source.variables[there.variable],
@@ -259,6 +259,18 @@ class _Wirer:
         source = self.scenario.components.get(connection.source.component)
         return source is not None and source.kind is Kind.PLAYBACK
 
+    def _transformed(self, connection: Connection, pair: _Pair) -> tuple[float, float, bool]:
+        gain, offset, from_integer = self._conversion(connection, pair)
+        if (connection.factor, connection.offset) == (1.0, 0.0):
+            return gain, offset, from_integer
+        if not pair.target_variable.type.is_float:
+            raise InputError(
+                f"{connection}: {_name(self.interfaces, pair.target)} is of type "
+                f"{pair.target_variable.type}; only a real input takes a factor or an offset"
+            )
+        factor = connection.factor
+        return factor * gain, factor * offset + connection.offset, from_integer
+
     def _conversion(self, connection: Connection, pair: _Pair) -> tuple[float, float, bool]:
         there, here = pair.source_variable, pair.target_variable
         names = f"{_source_name(self.interfaces, connection, pair)} ({there.type})"
@@ -328,7 +340,7 @@ def wire(
     return _Wirer(scenario, interfaces, knobs, problems).run()
 
 
-def _match(
+def match_elements(
     connection: Connection,
     source: Interface,
     origin: Selection,

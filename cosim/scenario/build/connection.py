@@ -63,6 +63,8 @@ def build_connection(
         delay=delay,
         initial=form.initial,
         ignores_unit=form.unit == "ignore",
+        factor=form.factor,
+        offset=form.offset,
     )
 
 

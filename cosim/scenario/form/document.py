@@ -138,6 +138,14 @@ class ConnectionForm(Form):
         default="source",
         description="Before the first sample: the source's first value, or the input's start.",
     )
+    factor: float = Field(
+        default=1.0,
+        allow_inf_nan=False,
+        description="What the value is multiplied by, behind the conversion of units.",
+    )
+    offset: float = Field(
+        default=0.0, allow_inf_nan=False, description="What is added then, in the input's unit."
+    )
     unit: Literal["ignore"] | None = Field(
         default=None, description="`ignore`: pass the number as it is, whatever the units say."
     )

@@ -172,6 +172,8 @@ CASES: dict[Key, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
     ),
     ("ConnectionForm", "rate"): ({}, joined(), joined(rate="slow")),
     ("ConnectionForm", "delay"): ({}, joined(), joined(delay=3)),
+    ("ConnectionForm", "factor"): ({}, joined(), joined(factor=2.5)),
+    ("ConnectionForm", "offset"): ({}, joined(), joined(offset=0.125)),
     ("ConnectionForm", "initial"): (
         lan(each_way_delay=4),
         {},

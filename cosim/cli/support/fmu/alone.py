@@ -48,7 +48,7 @@ def scenario_of_fmu(
     path = Path(given).expanduser().absolute()
     description = read_description(path)
     duration = _duration(description, path, stop_time)
-    step = _seconds(step_size, "--step-size") if step_size is not None else description.step_size
+    step = seconds(step_size, "--step-size") if step_size is not None else description.step_size
     if step is None:
         step = duration / _STEPS
     name = re.sub(r"\W", "_", path.stem).lstrip("_0123456789") or "model"
@@ -66,7 +66,7 @@ def scenario_of_fmu(
 
 def _duration(description: FmuDescription, path: Path, stop_time: str | None) -> Fraction:
     if stop_time is not None:
-        return _seconds(stop_time, "--stop-time")
+        return seconds(stop_time, "--stop-time")
     if description.stop_time is None:
         raise InputError(
             f"the FMU {path} does not say how long to run; give --stop-time, such as --stop-time 10"
@@ -74,16 +74,21 @@ def _duration(description: FmuDescription, path: Path, stop_time: str | None) ->
     return description.stop_time
 
 
-def _seconds(text: str, option: str) -> Fraction:
+def seconds(text: str, option: str) -> Fraction:
+    """A time above 0 (s) that was given to an option.
+
+    Raises:
+        InputError: it is none.
+    """
     from cosim.base.quantities.quantity import QuantityError, quantity
 
     try:
-        seconds = quantity(text, "s")
+        found = quantity(text, "s")
     except QuantityError as error:
         raise InputError(f"{option}: {error}") from None
-    if seconds <= 0:
+    if found <= 0:
         raise InputError(f"{option} is a time above 0, not {text}.")
-    return seconds
+    return found
 
 
 def _placed(text: str, name: str, description: FmuDescription) -> str:

@@ -1,0 +1,262 @@
+"""A scenario as an SSP 2.0 package that holds all of its FMUs.
+
+What SSP has no word for (rates, stations, channels, what is recorded and expected) stands in
+annotations of our own type, so that reading it back gives the same run. The whole resolved scenario
+lies in ``extra`` for people and other tools.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.document.yaml_writer import write_yaml
+from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning
+from cosim.base.quantities.units import BASES
+from cosim.master.assembly.assemble import Assembly
+from cosim.master.assembly.connections import match_elements
+from cosim.master.components.participants import Participant
+from cosim.scenario import Connection, Kind
+from cosim.scenario.resolved import to_document
+from cosim.ssp.documents import (
+    NAMESPACES,
+    OWN,
+    OWN_TYPE,
+    SSC,
+    SSD,
+    SSV,
+    Element,
+    refuse_invalid,
+)
+from cosim.ssp.package import ROOT
+from fmus.archive import zip_bytes
+
+EXTRA = "extra/org.cohaptic/scenario.yaml"
+_SHOWN = {
+    Causality.INPUT: "input",
+    Causality.OUTPUT: "output",
+    Causality.PARAMETER: "parameter",
+    Causality.STRUCTURAL_PARAMETER: "structuralParameter",
+}
+_FMI2 = {VariableType.FLOAT64: "Real", VariableType.INT32: "Integer"}
+
+
+def to_ssp(assembly: Assembly) -> bytes:
+    """The package, the same bytes for the same scenario.
+
+    Raises:
+        InputError: a component is no FMU.
+    """
+    others = [n for n, part in assembly.scenario.components.items() if part.kind is not Kind.FMU]
+    if others:
+        raise InputError(f"{', '.join(others)} cannot be exported: an SSP holds FMUs alone.")
+    return _Exporter(assembly).package()
+
+
+class _Exporter:
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly, self._scenario = assembly, assembly.scenario
+        self._written = to_document(assembly.scenario)
+        self._files: dict[str, bytes] = {}
+        self._sources: dict[str, str] = {}
+        make: Any = importlib.import_module("lxml.builder").ElementMaker
+        self._d: Any = make(namespace=SSD, nsmap={k: NAMESPACES[k] for k in NAMESPACES})
+        self._c: Any = make(namespace=SSC)
+        self._v: Any = make(namespace=SSV)
+        self._own: Any = make(namespace=OWN)
+
+    def package(self) -> bytes:
+        etree: Any = importlib.import_module("lxml.etree")
+        root = self._root()
+        refuse_invalid(root)
+        text: bytes = etree.tostring(
+            root, xml_declaration=True, encoding="UTF-8", pretty_print=True
+        )
+        resolved = dict(self._written)
+        resolved["components"] = {
+            name: {**part, "fmu": f"../../{self._sources[name]}"}
+            for name, part in self._written["components"].items()
+        }
+        for part in resolved["components"].values():
+            part.pop("flavour", None)
+        return zip_bytes({ROOT: text, **self._files, EXTRA: write_yaml(resolved).encode()})
+
+    def _root(self) -> Element:
+        d = self._d
+        scenario = self._scenario
+        participants = self._assembly.participants
+        elements = [self._component(name, each) for name, each in participants.items()]
+        about: list[str] = []
+        connections: list[Element] = []
+        for connection, written in zip(
+            scenario.connections, self._written["connections"], strict=True
+        ):
+            if {connection.source.component, connection.target.component} & set(scenario.channels):
+                about.append(written)
+            else:
+                connections += self._connections(connection, written)
+        rest = {
+            key: value
+            for key, value in self._written.items()
+            if key not in {"cohaptic", "components", "connections", "title"} and value
+        }
+        own = self._own.Scenario(write_yaml(rest | ({"connections": about} if about else {})))
+        system = d.System(name=scenario.name)
+        system.append(d.Elements(*elements))
+        if connections:
+            system.append(d.Connections(*connections))
+        system.append(d.Annotations(self._annotation(own)))
+        root = d.SystemStructureDescription(
+            system,
+            version="2.0",
+            name=scenario.title or scenario.name,
+            generationTool="cohaptic",
+        )
+        if units := self._units():
+            root.append(d.Units(*units))
+        root.append(d.DefaultExperiment(startTime="0", stopTime=repr(float(scenario.duration))))
+        return root
+
+    def _component(self, name: str, participant: Participant) -> Element:
+        fmu = participant.fmu
+        assert fmu is not None, "others were refused"
+        d = self._d
+        stem = fmu.path.name.removesuffix(".fmu")
+        source = f"resources/{stem}.fmu"
+        content = fmu.path.read_bytes()
+        if self._files.setdefault(source, content) != content:
+            source = f"resources/{stem}-{fmu.sha256[:8]}.fmu"
+            self._files[source] = content
+        self._sources[name] = source
+        element = d.Component(name=name, source=source, implementation="CoSimulation")
+        connectors = [
+            self._connector(variable, fmu.version)
+            for variable in participant.interface.variables.values()
+            if variable.causality in _SHOWN and variable.type is not VariableType.BINARY
+        ]
+        if connectors:
+            element.append(d.Connectors(*connectors))
+        if values := [*self._values(participant)]:
+            inner = self._v.ParameterSet(
+                self._v.Parameters(*values), version="2.0", name=f"{name}_values"
+            )
+            element.append(d.ParameterBindings(d.ParameterBinding(d.ParameterValues(inner))))
+        own = {
+            key: value
+            for key, value in self._written["components"][name].items()
+            if key not in {"fmu", "flavour", "parameters", "start"}
+        }
+        annotation = self._own.Component(**{key: _text(value) for key, value in own.items()})
+        element.append(d.Annotations(self._annotation(annotation)))
+        return element
+
+    def _connector(self, variable: Variable, version: int) -> Element:
+        kind = variable.type
+        attributes = {"unit": variable.unit} if kind.is_float and variable.unit else {}
+        if kind is VariableType.ENUMERATION:
+            inner = self._c.Integer() if version == 2 else self._c.Int64()
+        else:
+            name = _FMI2.get(kind, kind.value) if version == 2 else kind.value
+            inner = self._c(name, **attributes)
+        connector = self._d.Connector(inner, name=variable.name, kind=_SHOWN[variable.causality])
+        for size in variable.shape:
+            connector.append(self._c.Dimension(size=str(size)))
+        return connector
+
+    def _values(self, participant: Participant) -> Iterator[Element]:
+        for name, elements in {**participant.parameters, **participant.start}.items():
+            variable = participant.interface.variables[name]
+            kind = variable.type
+            if kind is VariableType.STRING:
+                is_file = variable.meaning is Meaning.FILE and elements[0]
+                text = self._resource(Path(str(elements[0]))) if is_file else str(elements[0])
+                inner = self._v.String(value=text)
+            elif kind is VariableType.BOOLEAN:
+                inner = self._v.Boolean(value=" ".join(_text(bool(e)) for e in elements))
+            elif kind.is_float:
+                inner = self._v.Float64(value=" ".join(repr(float(e)) for e in elements))
+            else:
+                inner = self._v.Int64(value=" ".join(str(int(e)) for e in elements))
+            yield self._v.Parameter(inner, name=name)
+
+    def _resource(self, file: Path) -> str:
+        name = f"resources/{file.name}"
+        content = file.read_bytes()
+        if self._files.setdefault(name, content) != content:
+            raise InputError(f"two files of the name {file.name} differ; rename one of them.")
+        return name
+
+    def _connections(
+        self, connection: Connection, written: str | dict[str, Any]
+    ) -> Iterator[Element]:
+        interfaces = {
+            end: self._assembly.participants[reference.component].interface
+            for end, reference in (("start", connection.source), ("end", connection.target))
+        }
+        source, target = interfaces["start"], interfaces["end"]
+        origin = source.select(connection.source.path)
+        selected = target.select(connection.target.path)
+        own = self._own_of(written)
+        for there, here in match_elements(connection, source, origin, target, selected):
+            attributes = {
+                "startElement": source.component,
+                "endElement": target.component,
+            }
+            for end, interface, element in (("start", source, there), ("end", target, here)):
+                name, _, index = interface.element_name(element).partition("[")
+                if interface.variables[element.variable].shape:
+                    attributes[f"{end}Connector"] = name
+                    attributes[f"{end}Indices"] = index.rstrip("]").replace(",", " ")
+                else:
+                    attributes[f"{end}Connector"] = element.variable
+            if connection.ignores_unit:
+                attributes["suppressUnitConversion"] = "true"
+            found = self._d.Connection(**attributes)
+            if (connection.factor, connection.offset) != (1.0, 0.0):
+                factor, offset = repr(connection.factor), repr(connection.offset)
+                found.append(self._c.LinearTransformation(factor=factor, offset=offset))
+            if own:
+                found.append(self._d.Annotations(self._annotation(self._own.Connection(**own))))
+            yield found
+
+    def _own_of(self, written: str | dict[str, Any]) -> dict[str, str]:
+        """What a connection has besides its ends and its transformation."""
+        if isinstance(written, str):
+            via = written.partition(" via ")[2]
+            return {"via": via} if via else {}
+        known = {"from", "to", "factor", "offset", "unit"}
+        return {key: _text(value) for key, value in written.items() if key not in known}
+
+    def _units(self) -> list[Element]:
+        found: dict[str, Element] = {}
+        for participant in self._assembly.participants.values():
+            interface = participant.interface
+            for name, variable in interface.variables.items():
+                unit = interface.unit(name)
+                if not variable.unit or unit is None or unit.exponents is None:
+                    continue
+                if variable.causality not in _SHOWN or not variable.type.is_float:
+                    continue
+                powers = zip(BASES, unit.exponents, strict=True)
+                base = {power: str(exponent) for power, exponent in powers if exponent}
+                if unit.factor != 1:
+                    base["factor"] = repr(float(unit.factor))
+                if unit.offset:
+                    base["offset"] = repr(float(unit.offset))
+                found.setdefault(
+                    variable.unit, self._c.Unit(self._c.BaseUnit(**base), name=variable.unit)
+                )
+        return [found[name] for name in sorted(found)]
+
+    def _annotation(self, content: Element) -> Element:
+        return self._c.Annotation(content, type=OWN_TYPE)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else str(value)

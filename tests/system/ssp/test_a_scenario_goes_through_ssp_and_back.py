@@ -1,0 +1,144 @@
+"""Every bundled scenario, written as SSP 2.0 and read again, computes the same bits."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cosim.analysis import load_tuned
+from cosim.base.errors import InputError
+from cosim.base.recording import MemorySink
+from cosim.cli import cli
+from cosim.cli.ssp.system import scenario_of_system
+from cosim.master.run.simulation import assemble
+from cosim.reading import FORMS
+from cosim.scenario import Scenario, load
+from cosim.scenario.source.find import bundled_folder, bundled_names
+from cosim.ssp.documents import read_valid
+from cosim.ssp.exporting import to_ssp
+
+FOLDER = bundled_folder()
+WHOLE = [
+    name
+    for name in bundled_names()
+    if not name.startswith(("presets/", "devices/"))
+    and "duration" in (FOLDER / f"{name}.yaml").read_text()
+]
+SECONDS = "0.25"
+
+
+def rows(scenario: Scenario) -> tuple[list[str], list[np.ndarray]]:
+    sink = MemorySink()
+    with assemble(scenario) as simulation:
+        simulation.run(sink)
+    names = [column.name for group in sink.groups for column in group.columns]
+    return names, [sink.rows(number) for number in range(len(sink.groups))]
+
+
+def exported(scenario: Scenario, file: Path) -> Path:
+    with assemble(scenario) as simulation:
+        file.write_bytes(to_ssp(simulation.assembly))
+    return file
+
+
+def through_ssp(scenario: Scenario, file: Path) -> Scenario:
+    notes: list[str] = []
+    back = scenario_of_system(
+        str(exported(scenario, file)), stop_time=None, sets=(), say=notes.append
+    )
+    assert notes == []
+    return back
+
+
+@pytest.mark.parametrize("name", ["two_users_box", "single_axis_centralized"])
+@pytest.mark.parametrize("flavour", ["fmi2", "fmi3", "fmi3-arrays"])
+def test_the_values_are_the_same_in_every_flavour(tmp_path: Path, name: str, flavour: str) -> None:
+    sets = [f"duration={SECONDS}"]
+    sets += [
+        f"components.{part}.flavour={flavour}" for part in load(FOLDER / f"{name}.yaml").components
+    ]
+    scenario = load_tuned(name, sets=sets, forms=FORMS)
+    names, here = rows(scenario)
+    found, there = rows(through_ssp(scenario, tmp_path / "x.ssp"))
+    assert found == names
+    for one, other in zip(here, there, strict=True):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WHOLE)
+def test_every_bundled_scenario_has_the_same_bits(tmp_path: Path, name: str) -> None:
+    scenario = load_tuned(name, forms=FORMS)
+    names, here = rows(scenario)
+    back = through_ssp(scenario, tmp_path / "x.ssp")
+    found, there = rows(back)
+    assert found == names
+    assert back.stations == scenario.stations
+    assert back.expect == scenario.expect
+    for one, other in zip(here, there, strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_a_package_is_valid_whole_and_always_the_same_bytes(tmp_path: Path) -> None:
+    scenario = load_tuned("two_users_box", forms=FORMS)
+    file = exported(scenario, tmp_path / "a.ssp")
+    assert file.read_bytes() == exported(scenario, tmp_path / "b.ssp").read_bytes()
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(tmp_path / "a")
+    assert read_valid(tmp_path / "a" / "SystemStructure.ssd")[1] == []
+    extra = load(tmp_path / "a" / "extra" / "org.cohaptic" / "scenario.yaml", forms=FORMS)
+    assert extra.ticks == scenario.ticks
+    assert rows_equal(extra, scenario)
+
+
+def rows_equal(one: Scenario, other: Scenario) -> bool:
+    first, second = rows(one), rows(other)
+    return first[0] == second[0] and all(
+        np.array_equal(a, b) for a, b in zip(first[1], second[1], strict=True)
+    )
+
+
+def test_a_table_goes_along(tmp_path: Path) -> None:
+    (tmp_path / "table.txt").write_text("0 1\n1 2\n")
+    (tmp_path / "s.yaml").write_text(
+        "cohaptic: 1\nduration: 0.5\ncomponents:\n  s: {fmu: signal, rate: 100, "
+        "parameters: {mode: table, table_file: table.txt}}\n"
+    )
+    scenario = load(tmp_path / "s.yaml")
+    names, here = rows(scenario)
+    back = through_ssp(scenario, tmp_path / "s.ssp")
+    (tmp_path / "table.txt").unlink()
+    assert rows(back)[0] == names
+    assert np.array_equal(rows(back)[1][0], here[0])
+
+
+def test_what_is_no_fmu_cannot_be_exported(tmp_path: Path) -> None:
+    (tmp_path / "s.yaml").write_text(
+        "cohaptic: 1\nduration: 0.5\ncomponents:\n"
+        "  it: {python: 'tests.support.master.master_parts:Growing', rate: 100}\n"
+    )
+    with pytest.raises(InputError, match="it cannot be exported: an SSP holds FMUs alone"):
+        exported(load(tmp_path / "s.yaml"), tmp_path / "s.ssp")
+
+
+def test_the_commands(tmp_path: Path) -> None:
+    def cohaptic(*arguments: str) -> str:
+        done = CliRunner().invoke(cli, list(arguments))
+        assert done.exit_code == 0, (done.output, done.exception)
+        return done.stdout
+
+    package, scenario = tmp_path / "box.ssp", tmp_path / "box.yaml"
+    cohaptic("ssp", "export", "single_user", "--set", "duration=0.25", "--out", str(package))
+    ran = cohaptic("run", str(package), "--out", str(tmp_path / "a"), "--no-figure", "--json")
+    assert json.loads(ran)["ticks"] == 256
+    cohaptic("ssp", "import", str(package), "--out", str(scenario))
+    cohaptic("run", str(scenario), "--out", str(tmp_path / "b"), "--no-figure")
+    digests = [cohaptic("record", "digest", str(tmp_path / name)).split()[0] for name in "ab"]
+    assert digests[0] == digests[1]
+    again = CliRunner().invoke(cli, ["ssp", "import", str(package), "--out", str(scenario)])
+    assert isinstance(again.exception, InputError)

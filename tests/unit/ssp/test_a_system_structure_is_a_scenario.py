@@ -1,0 +1,307 @@
+"""Hierarchy, transformations, units, parameter sets and mappings of SSP, as the standard says."""
+
+from __future__ import annotations
+
+import zipfile
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import fmus
+from cosim.base.document.yaml_writer import write_yaml
+from cosim.base.errors import InputError
+from cosim.base.recording import MemorySink
+from cosim.master.run.simulation import assemble
+from cosim.scenario import load
+from cosim.ssp.package import is_system, read_system
+from tests.support.fmus.foreign import foreign_fmu, scalar
+
+HEAD = (
+    '<SystemStructureDescription version="{version}" name="test" '
+    'xmlns="http://ssp-standard.org/SSP1/SystemStructureDescription" '
+    'xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" '
+    'xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" '
+    'xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping">'
+)
+PASS = """
+    static int hook(Foreign *m, const char *call)
+    {
+        if (is(call, "DoStep"))
+            m->real[1] = m->real[2] + m->real[3];
+        return 0;
+    }
+    #define HOOK hook
+"""
+"""y = u + p, a step late."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    units = (
+        '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>'
+        '<DefaultExperiment stepSize="0.125"/>'
+    )
+    foreign_fmu(
+        tmp_path,
+        3,
+        scalar(3, "y", 1, causality="output", unit="m")
+        + scalar(3, "u", 2, causality="input", start="0", unit="m")
+        + scalar(3, "p", 3, causality="parameter", variability="fixed", start="0", unit="m"),
+        structure='<Output valueReference="1" dependencies=""/>',
+        before=units,
+        snippet=PASS,
+        name="adder",
+    )
+    return tmp_path
+
+
+def connectors(**kinds: str) -> str:
+    inner = "".join(
+        f'<Connector name="{name}" kind="{kind}"><ssc:Real unit="m"/></Connector>'
+        for name, kind in kinds.items()
+    )
+    return f"<Connectors>{inner}</Connectors>"
+
+
+PORTS = connectors(y="output", u="input", p="parameter")
+
+
+def component(name: str, inside: str = "") -> str:
+    return f'<Component name="{name}" source="adder.fmu">{PORTS}{inside}</Component>'
+
+
+def values(*given: str, mapping: str = "", prefix: str = "") -> str:
+    parameters = "".join(
+        f'<ssv:Parameter name="{name}"><ssv:Real value="{value}"{rest}/></ssv:Parameter>'
+        for name, value, rest in (text.split("|") for text in given)
+    )
+    return (
+        f'<ParameterBinding prefix="{prefix}"><ParameterValues><ssv:ParameterSet version="1.0" '
+        f'name="s"><ssv:Parameters>{parameters}</ssv:Parameters><ssv:Units><ssc:Unit name="inch">'
+        '<ssc:BaseUnit m="1" factor="0.0254"/></ssc:Unit></ssv:Units></ssv:ParameterSet>'
+        f"</ParameterValues>{mapping}</ParameterBinding>"
+    )
+
+
+def bindings(*each: str) -> str:
+    return f"<ParameterBindings>{''.join(each)}</ParameterBindings>"
+
+
+def ssd(folder: Path, inside: str, version: str = "1.0") -> Path:
+    file = folder / "SystemStructure.ssd"
+    experiment = '<DefaultExperiment startTime="0" stopTime="1"/>'
+    file.write_text(
+        HEAD.format(version=version)
+        + f'<System name="root">{inside}</System>{experiment}</SystemStructureDescription>'
+    )
+    return file
+
+
+def read(file: Path, stop: Fraction | None = None) -> tuple[dict[str, Any], list[str]]:
+    return read_system(file, stop)
+
+
+def connect(start: str, end: str, inside: str = "", more: str = "") -> str:
+    ends = []
+    for which, text in (("start", start), ("end", end)):
+        element, _, connector = text.rpartition(".")
+        named = f'{which}Element="{element}" ' if element else ""
+        ends.append(f'{named}{which}Connector="{connector}"')
+    return f"<Connection {' '.join(ends)} {more}>{inside}</Connection>"
+
+
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+def test_nested_systems_are_resolved_whichever_way_a_connection_is_written(
+    folder: Path, version: str
+) -> None:
+    inner = (
+        '<System name="inner">'
+        + connectors(into="input", out="output")
+        + f"<Elements>{component('b')}</Elements><Connections>"
+        + connect("b.u", "into", '<ssc:LinearTransformation factor="2" offset="1"/>')
+        + connect("b.y", "out")
+        + "</Connections></System>"
+    )
+    inside = (
+        f"<Elements>{component('a')}{inner}{component('c')}</Elements><Connections>"
+        + connect("inner.into", "a.y", '<ssc:LinearTransformation factor="3" offset="10"/>')
+        + connect("inner.out", "c.u")
+        + "</Connections>"
+    )
+    document, notes = read(ssd(folder, inside, version))
+    assert notes == []
+    assert list(document["components"]) == ["a", "c", "inner_b"]
+    assert sorted(document["connections"], key=lambda each: each["to"]) == [
+        {"from": "inner_b.y", "to": "c.u"},
+        {"from": "a.y", "to": "inner_b.u", "factor": 6.0, "offset": 21.0},
+    ]
+    assert document["duration"] == "1"
+    assert {part["rate"] for part in document["components"].values()} == {"8"}
+
+
+def test_it_computes_what_the_transformations_say(folder: Path) -> None:
+    inside = (
+        f"<Elements>{component('a', bindings(values('p|2|')))}{component('b')}</Elements>"
+        "<Connections>"
+        + connect("a.y", "b.u", '<ssc:LinearTransformation factor="1.5" offset="-1"/>')
+        + "</Connections>"
+    )
+    document, _ = read(ssd(folder, inside))
+    file = folder / "s.yaml"
+    file.write_text(write_yaml(document))
+    sink = MemorySink()
+    with assemble(load(file)) as simulation:
+        simulation.run(sink)
+    assert list(sink.signal("a.y"))[:3] == [0, 2, 2]
+    assert list(sink.signal("b.y"))[:4] == [0, -1, 2, 2]
+
+
+def test_later_bindings_win_and_outer_ones_over_inner_ones(folder: Path) -> None:
+    own = bindings(values("p|1|", "u|5|"), values("p|2|"))
+    inside = f"<Elements>{component('a', own)}{component('b')}</Elements>"
+    document, _ = read(ssd(folder, inside))
+    assert document["components"]["a"]["parameters"] == {"p": 2.0}
+    assert document["components"]["a"]["start"] == {"u": 5.0}
+    outer = connectors(q="parameter") + inside
+    outer += "<Connections>" + connect("q", "b.p", '<ssc:LinearTransformation factor="10"/>')
+    outer += "</Connections>"
+    bound = bindings(values("a.p|3|", "q|4|"))
+    # The schema's order: connectors, bindings, elements, connections.
+    head, tail = outer.split("</Connectors>", 1)
+    document, _ = read(ssd(folder, f"{head}</Connectors>{bound}{tail}"))
+    assert document["components"]["a"]["parameters"] == {"p": 3.0}
+    assert document["components"]["b"]["parameters"] == {"p": 40.0}
+
+
+def test_units_prefixes_and_mappings_of_parameter_sets(folder: Path) -> None:
+    entry = '<ssm:MappingEntry source="length" target="p"><ssc:LinearTransformation factor="2"/>'
+    mapping = (
+        f'<ParameterMapping><ssm:ParameterMapping version="1.0">{entry}</ssm:MappingEntry>'
+        "</ssm:ParameterMapping></ParameterMapping>"
+    )
+    mapped = values('length|10| unit="inch"', "p|9|", mapping=mapping)
+    inside = (
+        bindings(values('p|100| unit="inch"', prefix="b."), values("nobody|1|"))
+        + f"<Elements>{component('a', bindings(mapped))}{component('b')}</Elements>"
+    )
+    document, notes = read(ssd(folder, inside))
+    assert document["components"]["a"]["parameters"]["p"] == pytest.approx(0.508)
+    assert document["components"]["b"]["parameters"]["p"] == pytest.approx(2.54)
+    assert notes == ["nothing in root has the parameter nobody"]
+
+
+def test_sets_and_mappings_lie_in_files_as_well(folder: Path) -> None:
+    inner = values("p|7|").split("<ParameterValues>")[1].split("</ParameterValues>")[0]
+    names = HEAD.format(version="1.0").split("xmlns:", 1)[1].rstrip(">")
+    named = inner.replace("<ssv:ParameterSet", f"<ssv:ParameterSet xmlns:{names}", 1)
+    (folder / "set.ssv").write_text(named)
+    bound = bindings('<ParameterBinding source="set.ssv"/>')
+    inside = f"<Elements>{component('a', bound)}</Elements>"
+    document, _ = read(ssd(folder, inside))
+    assert document["components"]["a"]["parameters"] == {"p": 7.0}
+    missing = inside.replace("set.ssv", "none.ssv")
+    with pytest.raises(InputError, match=r"SystemStructure\.ssd:1:1: there is no none\.ssv"):
+        read(ssd(folder, missing))
+
+
+def test_suppressed_conversions_and_steps_of_osp_are_obeyed(folder: Path) -> None:
+    hint = (
+        '<Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint '
+        'xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations" value="0.25"/>'
+        "</ssc:Annotation></Annotations>"
+    )
+    inside = (
+        f"<Elements>{component('a', hint)}{component('b')}</Elements><Connections>"
+        + connect("a.y", "b.u", more='suppressUnitConversion="true"')
+        + "</Connections>"
+    )
+    document, _ = read(ssd(folder, inside))
+    assert document["connections"] == [{"from": "a.y", "to": "b.u", "unit": "ignore"}]
+    assert document["components"]["a"]["rate"] == "4"
+
+
+REFUSED = {
+    "signal dictionary 'bus' cannot be used": (
+        "<Elements><SignalDictionaryReference name='bus' dictionary='d'/></Elements>"
+    ),
+    "has no element 'b'": (
+        f"<Elements>{component('a')}</Elements><Connections>{connect('a.y', 'b.u')}</Connections>"
+    ),
+    "both ends of the connection .* give values": (
+        f"<Elements>{component('a')}{component('b')}</Elements>"
+        f"<Connections>{connect('a.y', 'b.y')}</Connections>"
+    ),
+    "b.u is driven twice": (
+        f"<Elements>{component('a')}{component('b')}</Elements>"
+        f"<Connections>{connect('a.y', 'b.u')}{connect('b.u', 'b.y')}</Connections>"
+    ),
+    "is for ModelExchange": (
+        "<Elements><Component name='a' source='adder.fmu' implementation='ModelExchange'/>"
+        "</Elements>"
+    ),
+    "of type application/x-ssp-package": (
+        "<Elements><Component name='a' source='x.ssp' type='application/x-ssp-package'/></Elements>"
+    ),
+    "there is no .*none.fmu": "<Elements><Component name='a' source='none.fmu'/></Elements>",
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_cannot_be_used_is_refused_by_its_name(folder: Path, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read(ssd(folder, REFUSED[said]))
+
+
+def test_what_the_schema_finds_wrong_is_a_note(folder: Path) -> None:
+    file = ssd(folder, f"<Elements>{component('a')}</Elements>")
+    file.write_text(file.read_text().replace('name="root"', 'name="root" colour="red"'))
+    _, notes = read(file)
+    assert len(notes) == 1
+    assert "'colour' is not allowed" in notes[0]
+
+
+def test_no_file_gives_a_traceback(tmp_path: Path) -> None:
+    for name, content in (("a.ssd", b"<"), ("b.ssd", b"<x/>"), ("c.ssp", b"no zip")):
+        (tmp_path / name).write_bytes(content)
+        assert is_system(str(tmp_path / name))
+        with pytest.raises(InputError):
+            read(tmp_path / name)
+    with zipfile.ZipFile(tmp_path / "d.ssp", "w") as archive:
+        archive.writestr("other.ssd", "<x/>")
+    with pytest.raises(InputError, match=r"has no SystemStructure\.ssd at its top"):
+        read(tmp_path / "d.ssp")
+    with pytest.raises(InputError, match="there is no file"):
+        read(tmp_path / "none.ssp")
+    assert not is_system(str(fmus.find("hand")))
+
+
+OSP = """<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+    version="0.1"><StartTime>0</StartTime><BaseStepSize>0.25</BaseStepSize>
+    <Simulators><Simulator name="a" source="adder.fmu" stepSize="0.125"><InitialValues>
+    <InitialValue variable="p"><Real value="2"/></InitialValue></InitialValues></Simulator>
+    <Simulator name="b" source="adder.fmu"/></Simulators>
+    <Functions><{function} name="f" factor="3" offset="4" inputCount="1"/></Functions>
+    <Connections><SignalConnection><Variable simulator="a" name="y"/>
+    <Signal function="f" name="in"/></SignalConnection><SignalConnection>
+    <Signal function="f" name="out"/><Variable simulator="b" name="u"/></SignalConnection>
+    </Connections></OspSystemStructure>"""
+
+
+def test_an_osp_system_structure_is_read(folder: Path) -> None:
+    file = folder / "OspSystemStructure.xml"
+    file.write_text(OSP.replace("{function}", "LinearTransformation"))
+    document, _ = read(file, Fraction(2))
+    assert document["duration"] == "2"
+    assert [part["rate"] for part in document["components"].values()] == ["8", "4"]
+    assert document["components"]["a"]["parameters"] == {"p": 2.0}
+    (connection,) = document["connections"]
+    assert connection == {
+        "from": "a.y", "to": "b.u", "factor": 3.0, "offset": 4.0, "unit": "ignore",
+    }  # fmt: skip
+    with pytest.raises(InputError, match="does not say how long to run"):
+        read(file)
+    file.write_text(OSP.replace("{function}", "Sum"))
+    with pytest.raises(InputError, match="a Sum 'f' cannot be used here"):
+        read(file, Fraction(2))
