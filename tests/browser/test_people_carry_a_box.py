@@ -1,0 +1,202 @@
+"""``cohaptic play`` in a browser: hands pinch, two pages carry, the page measures the ripple."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from click.testing import CliRunner
+
+from cosim.cli import cli
+from cosim.record.digest import digest
+from cosim.record.reader import open_run
+from tests.browser.conftest import command, readout, shown, until
+
+pytestmark = pytest.mark.browser
+
+ALL_TOUCH = (
+    "cohaptic.run.scene.fingers.filter((f) => f.force.length)"
+    ".every((f) => Math.hypot(...f.force.map(cohaptic.value)) > 0.3)"
+)
+
+
+@pytest.fixture
+def play(tmp_path):
+    """Start ``cohaptic play``; its address, and where the take is recorded."""
+    opened = []
+
+    def start(*words: str):
+        made = command("play", *words, "--no-browser", "--out", str(tmp_path / "take"))
+        opened.append(made)
+        return made.__enter__()[0]
+
+    yield start, tmp_path / "take"
+    for each in opened:
+        each.__exit__(None, None, None)
+
+
+def place(page, x=0.0, y=0.0):
+    """Pixels of a place beside the middle of the scene (px, upwards)."""
+    box = page.locator("#scene").bounding_box()
+    return box["x"] + box["width"] / 2 + x, box["y"] + box["height"] / 2 - y
+
+
+def pinch(page, y=0.0):
+    """Move over the box and hold the button."""
+    page.mouse.move(*place(page, 0, y + 10))
+    page.mouse.move(*place(page, 0, y))
+    time.sleep(0.4)
+    page.mouse.down()
+
+
+def box(page, name="vr_a"):
+    """Where a copy of the box is (m)."""
+    return [page.evaluate(f"cohaptic.value('{name}.box_pose.{axis}')") for axis in "xy"]
+
+
+def carry(page, x, y, steps=40):
+    """Move the mouse there in small steps."""
+    for step in range(1, steps + 1):
+        page.mouse.move(*place(page, x * step / steps, y * step / steps))
+        time.sleep(0.02)
+
+
+def test_one_mouse_pinches_and_carries_and_the_take_runs_again(chromium, play):
+    start, take = play
+    address = start()
+    with shown(chromium, address) as page:
+        assert page.inner_text("#help").count(".") == 1, "one sentence of help"
+        until(page, "cohaptic.run.scene.pointers.length === 2")
+        pinch(page)
+        until(page, ALL_TOUCH)
+        before = box(page)
+        carry(page, 40, 50)
+        until(page, f"cohaptic.value('vr_a.box_pose.y') > {before[1] + 0.02}")
+        page.mouse.up()
+        time.sleep(0.5)
+        page.click("#restart")
+        until(page, "cohaptic.time !== null && cohaptic.time < 1.5", 60)
+    with open_run(take) as run:
+        assert run["pointer_station_a.valid"][:].any()
+        recorded, ticks = digest(run), run.ticks
+    again = take.with_name("again")
+    done = CliRunner().invoke(cli, ["play", "--again", str(take), "--out", str(again)])
+    assert done.exit_code == 0, done.output
+    with open_run(again) as run:
+        assert run.ticks == ticks
+        assert digest(run) == recorded
+
+
+def test_two_pages_are_two_users(chromium, play):
+    address = play[0]()
+    with shown(chromium, address, 700) as one, shown(chromium, address, 700) as other:
+        assert one.evaluate("document.getElementById('user').value") == "station_a"
+        until(other, "document.getElementById('user').value === 'station_b'")
+        pinch(one, 0)
+        pinch(other, -20)
+        until(one, ALL_TOUCH)
+        before = box(one, "vr_b")
+        for step in range(1, 31):
+            one.mouse.move(*place(one, 1.5 * step, step))
+            other.mouse.move(*place(other, 1.5 * step, -20 + step))
+            time.sleep(0.02)
+        until(other, f"cohaptic.value('vr_b.box_pose.x') > {before[0] + 0.01}")
+        assert max(apart(one), apart(other)) < 0.01
+
+
+def apart(page):
+    """How far the copies are apart (m)."""
+    (ax, ay), (bx, by) = box(page, "vr_a"), box(page, "vr_b")
+    return ((ax - bx) ** 2 + (ay - by) ** 2) ** 0.5
+
+
+@pytest.mark.parametrize(
+    ("scenario", "delay", "expected"),
+    [
+        ("two_users_box_centralized", 1, (0.5, 10)),
+        ("two_users_box_centralized", 2, (0.5, 10)),
+        ("two_users_box", 1, (0, 0.2)),
+        ("two_users_box", 2, (0, 0.2)),
+    ],
+)
+def test_the_ripple_at_b_breaks_out_under_centralized_control_alone(
+    chromium, play, scenario, delay, expected
+):
+    address = play[0](scenario, "--set", f"channels.lan.round_trip_delay={delay}")
+    with shown(chromium, address) as page:
+        until(page, "cohaptic.run.scene.pointers.length === 2")
+        pinch(page)
+        until(page, ALL_TOUCH, 30)
+        moment = page.evaluate("cohaptic.time")
+        until(page, f"cohaptic.time > {moment} + 2.5", 60)
+        time.sleep(0.4)
+        assert expected[0] <= readout(page, "ripple-b") < expected[1]
+
+
+def test_keys_touches_and_a_gamepad_are_hands_too(chromium, play):
+    address = play[0]()
+    with shown(chromium, address, has_touch=True) as page:
+        until(page, "cohaptic.run.scene.pointers.length === 2")
+        valid = "cohaptic.value('pointer_station_a.valid')"
+        page.focus("#scene")
+        page.keyboard.down(" ")
+        until(page, f"{valid} === 1")
+        where = "cohaptic.value('pointer_station_a.position_1[2]')"
+        before = page.evaluate(where)
+        page.keyboard.down("ArrowUp")
+        until(page, f"{where} > {before} + 0.01")
+        page.keyboard.up("ArrowUp")
+        page.keyboard.up(" ")
+        session = page.context.new_cdp_session(page)
+        touches = [
+            {"x": x, "y": y, "id": n}
+            for n, (x, y) in enumerate((place(page, -45, 20), place(page, 60, 45)))
+        ]
+        for kind in ("touchStart", "touchMove"):
+            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
+        until(page, f"{where.replace('position_1', 'position_2')} - {where} > 0.01")
+        session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        page.evaluate(
+            "navigator.getGamepads = () => [{connected: true, axes: [1, 0],"
+            " buttons: [{pressed: true}]}]"
+        )
+        across = "cohaptic.value('pointer_station_a.position_1[1]')"
+        before = page.evaluate(across)
+        until(page, f"Math.abs({across} - {before}) > 0.01")
+
+
+def test_a_page_that_goes_is_nobody_and_its_hand_lets_go(chromium, play):
+    address = play[0]()
+    with shown(chromium, address, 700) as stays:
+        page_context = chromium.new_context()
+        page = page_context.new_page()
+        page.goto(address)
+        until(page, "globalThis.cohaptic && cohaptic.time !== null")
+        until(page, "document.getElementById('user').value === 'station_b'")
+        pinch(page, -20)
+        until(stays, "cohaptic.value('pointer_station_b.valid') === 1")
+        page_context.close()
+        until(stays, "cohaptic.value('pointer_station_b.valid') === 0")
+        until(stays, "!document.querySelector('#user option[value=station_b]').disabled")
+
+
+def test_pause_step_and_slow_motion(chromium, play):
+    address = play[0]()
+    with shown(chromium, address) as page:
+        page.click("#pause")
+        until(page, "document.getElementById('pause').getAttribute('aria-pressed') === 'true'")
+        time.sleep(0.4)
+        stood = page.evaluate("cohaptic.time")
+        time.sleep(0.4)
+        assert page.evaluate("cohaptic.time") == stood
+        page.click("#step")
+        until(page, f"cohaptic.time > {stood}")
+        time.sleep(0.2)
+        assert page.evaluate("cohaptic.time") == pytest.approx(stood + 1 / 1024, abs=1e-5)
+        page.select_option("#speed", "0.1")
+        page.click("#pause")
+        until(page, f"cohaptic.time > {stood} + 0.02")
+        began, moment = time.monotonic(), page.evaluate("cohaptic.time")
+        time.sleep(1.5)
+        passed = page.evaluate("cohaptic.time") - moment
+        assert passed / (time.monotonic() - began) < 0.2
