@@ -365,6 +365,9 @@ class Program:
                 way = name.partition(".")[0]
                 self.calls[len(self._operations)] = Call(unit, way, is_channel=True)
             native, owner = self._natives.get(unit), self._numbers.get(unit, 0)
+            if native is not None:
+                kind = self.turning.knobs[unit, name].variable.type
+                self._accessors.append((len(self._operations), unit, kind, True))
             yield self.turning.operation((unit, name), native, owner, by_call=is_channel)
 
     def _with_table(

@@ -218,12 +218,20 @@ def test_what_is_set_by_hand_is_an_event_of_the_replay(tmp_path: Path) -> None:
         )
 
 
-def test_a_simulation_is_renewed_with_other_events(tmp_path: Path) -> None:
+FILE = {"fmu": str(fmus.find("object", "fmi3")), "feedthrough": True}
+"""The same FMU as if it were somebody else's, whose library is another one in each run."""
+
+
+@pytest.mark.parametrize("how", [{}, FILE, {**FILE, "isolate": "process"}])
+def test_a_simulation_is_renewed_with_other_events(tmp_path: Path, how: dict[str, Any]) -> None:
     """Nothing of the run before is left, neither what it turned nor where its knobs stood."""
-    scenarios = [
-        scenario_of(tmp_path, wall("fmi3", events_of([(tick, "wall_stiffness", stiffness)])))
-        for tick, stiffness in ((40, 400.0), (99, 10.0), (7, 0.0))
-    ]
+    scenarios: list[Scenario] = []
+    for tick, stiffness in ((40, 400.0), (99, 10.0), (7, 0.0)):
+        written = wall("fmi3", events_of([(tick, "wall_stiffness", stiffness)]))
+        written["components"]["object"] |= how
+        if how:
+            del written["components"]["object"]["flavour"]
+        scenarios.append(scenario_of(tmp_path, written))
     first = assemble(scenarios[0])
     with first:
         for scenario in scenarios:
