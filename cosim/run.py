@@ -73,7 +73,7 @@ class _FolderRecorder(Recorder):
         began: float,
         watcher: RunWatcher | None,
     ) -> None:
-        super().__init__(Path(RUN_FILE), scenario.ticks)
+        super().__init__(Path(RUN_FILE), scenario.ticks, scenario.start_tick)
         self.folder: Path | None = None
         self.start_up_time = 0.0
         self._scenario, self._out, self._manifest, self._began = scenario, out, manifest, began

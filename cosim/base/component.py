@@ -138,7 +138,8 @@ class Setup:
     """What a component is told once, before its first tick.
 
     ``parameters`` hold the scenario's values by variable name. ``tick`` is the base tick in
-    seconds as (numerator, denominator); ``period`` is the component's step in ticks.
+    seconds as (numerator, denominator); ``period`` is the component's step in ticks; ``start_time``
+    is the time of tick 0 (s).
     """
 
     name: str
@@ -146,6 +147,7 @@ class Setup:
     tick: tuple[int, int]
     period: int
     seed: int
+    start_time: float = 0.0
 
 
 class Component(ABC):

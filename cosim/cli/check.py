@@ -110,6 +110,8 @@ def _text(report: dict[str, Any]) -> str:
     from cosim.cli.support.check_devices import bus_rows, device_rows, limit_rows, proof_rows
 
     time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
+    if report["start_time"]:
+        time = f"{time} from {report['start_time']:g} s on"
     lines = [report["title"] or report["name"], f"{time}, seed {report['seed']}"]
     rates = [[f"{n}", f"{r['rate']:g} Hz", _ticks(r["period"])] for n, r in report["rates"].items()]
     components = [

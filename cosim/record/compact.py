@@ -54,7 +54,8 @@ def _copy(run: Run, copy: Path) -> None:
         )
         for group in groups
     ]
-    layouts = lay_out(copy, plan, run.base_rate, [group.rows for group in groups])
+    rows = [group.rows for group in groups]
+    layouts = lay_out(copy, plan, run.base_rate, rows, run.start_tick)
     with copy.open("r+b", buffering=0) as file:
         for group, layout in zip(groups, layouts, strict=True):
             _copy_group(group, layout, file)

@@ -14,13 +14,16 @@ from cosim.record.reader import Run
 def digest(run: Run) -> str:
     """SHA-256 (hex) of a run's ticks, names, units and values.
 
-    Two runs have one digest if and only if they have the same base rate, the same groups, and in
-    each the same ticks and the same signals with the same units, types and values, bit for bit
-    (-0.0 is not 0.0). Groups and signals are taken in the order of their names. File layout, times,
-    descriptions and the manifest do not count. The bytes that are hashed are in docs/record.md.
+    Two runs have one digest if and only if they have the same base rate and start, the same
+    groups, and in each the same ticks and the same signals with the same units, types and values,
+    bit for bit (-0.0 is not 0.0). Groups and signals are taken in the order of their names. File
+    layout, wall-clock times, descriptions and the manifest do not count. The bytes that are hashed
+    are in docs/record.md.
     """
     state = hashlib.sha256(b"cohaptic run 1\n")
     _text(state, str(run.base_rate))
+    if run.start_tick:
+        _text(state, f"start {run.start_tick}")
     for name, group in sorted(run.groups.items()):
         _text(state, name)
         state.update(struct.pack("<qqq", group.period, group.rows, len(group.signals)))

@@ -7,7 +7,8 @@ and no HDF5 code runs while the loop runs. See docs/decisions/200-run-file.md.
 
 ::
 
-    /                 attributes: format, base_rate [numerator, denominator] in Hz
+    /                 attributes: format, base_rate [numerator, denominator] in Hz,
+                      start_tick where tick 0 is not at time 0
     /<group>          one per rate; attributes: period (base ticks), rate [numerator, denominator]
     /<group>/rows     int64 scalar: the rows that are complete
     /<group>/tick     int64 (rows,): base tick of each row
@@ -74,9 +75,15 @@ def rows_in(ticks: int, period: int) -> int:
 
 
 def lay_out(
-    path: Path, groups: Sequence[RecordGroup], base_rate: Fraction, capacities: Sequence[int]
+    path: Path,
+    groups: Sequence[RecordGroup],
+    base_rate: Fraction,
+    capacities: Sequence[int],
+    start_tick: int = 0,
 ) -> list[GroupLayout]:
     """Create the file with room for ``capacities`` rows of each group, and say where it is.
+
+    Tick 0 is ``start_tick`` base ticks after time 0.
 
     No value is written: storage is reserved, and stays a hole in the file (on file systems that
     have holes) until the writer fills it.
@@ -88,6 +95,8 @@ def lay_out(
     with h5py().File(path, "w", libver=(HDF5_VERSION, HDF5_VERSION)) as file:
         file.attrs["format"] = np.int64(FORMAT_VERSION)
         file.attrs["base_rate"] = np.array(base_rate.as_integer_ratio(), np.int64)
+        if start_tick:
+            file.attrs["start_tick"] = np.int64(start_tick)
         return [
             _lay_out_group(file, group, base_rate, capacity)
             for group, capacity in zip(groups, capacities, strict=True)

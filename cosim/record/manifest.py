@@ -40,6 +40,7 @@ def describe(scenario: Scenario, components: Mapping[str, Mapping[str, Any]]) ->
             "seed": scenario.seed,
             "base_rate": str(scenario.base_rate),
             "duration": float(scenario.duration),
+            "start_time": float(scenario.start_time),
             "ticks": scenario.ticks,
         },
         "components": components,

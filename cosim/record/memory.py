@@ -13,10 +13,15 @@ from cosim.record.reader import Run
 from cosim.record.stores import MemoryStore
 
 
-def run_in_memory(sink: MemorySink, manifest: Mapping[str, Any] | None = None) -> Run:
-    """What a sink holds; valid until the sink is used again."""
+def run_in_memory(
+    sink: MemorySink, manifest: Mapping[str, Any] | None = None, start_tick: int = 0
+) -> Run:
+    """What a sink holds; valid until the sink is used again.
+
+    Tick 0 is ``start_tick`` base ticks after time 0.
+    """
     stores = {group.name: MemoryStore(sink, n) for n, group in enumerate(sink.groups)}
-    return Run(Path(), stores, sink.base_rate, manifest or {}, lambda: None)
+    return Run(Path(), stores, sink.base_rate, manifest or {}, lambda: None, start_tick=start_tick)
 
 
 def largest_sizes(sink: MemorySink) -> dict[str, float]:

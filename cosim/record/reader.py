@@ -72,7 +72,7 @@ class SignalGroup:
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Time of every row (s), shape (rows,): the tick over the base rate, rounded once."""
+        """Time of every row (s), shape (rows,): the tick counted from 0 s over the base rate."""
         return self.run.seconds(self.ticks)
 
     def first_row_at(self, tick: int) -> int:
@@ -176,6 +176,8 @@ class Run:
         base_rate: Fraction,
         manifest: Mapping[str, Any],
         close: Callable[[], object],
+        *,
+        start_tick: int = 0,
     ) -> None:
         self.folder = folder
         self.manifest: Mapping[str, Any] = manifest
@@ -183,6 +185,8 @@ class Run:
         self._close = close
         self.base_rate = base_rate
         """Base ticks a second (Hz)."""
+        self.start_tick = start_tick
+        """How many base ticks after time 0 the first one is."""
         self.groups: Mapping[str, SignalGroup] = MappingProxyType(
             {name: SignalGroup(self, name, store) for name, store in stores.items()}
         )
@@ -214,7 +218,14 @@ class Run:
     def seconds(self, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
         """Times (s) of base ticks: one division by the base rate, so rounded once."""
         rate = self.base_rate
-        return np.divide(ticks * rate.denominator, rate.numerator, dtype=np.float64)
+        since_0 = (ticks + self.start_tick) * rate.denominator
+        return np.divide(since_0, rate.numerator, dtype=np.float64)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The times of the first tick and of the record's end (s)."""
+        first, end = self.start_tick, self.start_tick + self.ticks
+        return float(first / self.base_rate), float(end / self.base_rate)
 
     @property
     def ticks(self) -> int:
@@ -264,7 +275,8 @@ def open_run(path: str | Path) -> Run:
     numerator, denominator = (int(part) for part in file.attrs["base_rate"])
     stores = {name: FileStore(node) for name, node in file.items()}
     rate = Fraction(numerator, denominator)
-    return Run(folder, stores, rate, read_manifest(folder), file.close)
+    start_tick = int(file.attrs.get("start_tick", 0))
+    return Run(folder, stores, rate, read_manifest(folder), file.close, start_tick=start_tick)
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

@@ -35,12 +35,14 @@ FLUSH_SECONDS = 0.5
 class Recorder:
     """A ``Sink`` that writes ``path``, with room for ``ticks`` base ticks.
 
+    Tick 0 is ``start_tick`` base ticks after time 0.
+
     Use it as a context manager, or call ``close``. What has been flushed survives anything that
     happens to the process: see ``layout``.
     """
 
-    def __init__(self, path: Path, ticks: int) -> None:
-        self.path, self.ticks = path, ticks
+    def __init__(self, path: Path, ticks: int, start_tick: int = 0) -> None:
+        self.path, self.ticks, self.start_tick = path, ticks, start_tick
         self.groups: tuple[RecordGroup, ...] = ()
         self.base_rate = Fraction(1)
         self.statistics: tuple[ColumnStatistics, ...] = ()
@@ -60,7 +62,7 @@ class Recorder:
         """
         rows = [rows_in(self.ticks, group.period) for group in groups]
         try:
-            layouts = lay_out(self.path, groups, base_rate, rows)
+            layouts = lay_out(self.path, groups, base_rate, rows, self.start_tick)
             file = self.path.open("r+b", buffering=0)
         except BaseException as error:  # also Ctrl-C: half a frame is no file
             with suppress(OSError):

@@ -21,7 +21,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, cast
 
 from cosim.base.document.show import show
@@ -217,16 +216,19 @@ class _Parser:
     def _window(self) -> TickRange | None:
         if "from" not in self.entries and "to" not in self.entries:
             return None
-        rate = self.scenario.base_rate
-        first = math.ceil(quantity(self.entries.get("from", 0), "s") * rate)
-        end = self.entries.get("to")
-        last = self.scenario.ticks if end is None else math.floor(quantity(end, "s") * rate) + 1
+        rate, start = self.scenario.base_rate, self.scenario.start_tick
+        begin, end = self.entries.get("from"), self.entries.get("to")
+        first = 0 if begin is None else math.ceil(quantity(begin, "s") * rate) - start
+        last = self.scenario.ticks
+        if end is not None:
+            last = math.floor(quantity(end, "s") * rate) + 1 - start
         if not 0 <= first < last or first >= self.scenario.ticks:
-            duration = float(Fraction(self.scenario.ticks) / rate)
-            raise InputError(
-                f"from {self.entries.get('from', 0)} to {duration if end is None else end} is no "
-                f"time within the {duration:g} s of the run."
-            )
+            whole = float(start / rate), float((start + self.scenario.ticks) / rate)
+            written = whole[0] if begin is None else begin, whole[1] if end is None else end
+            lasting = f"{whole[1] - whole[0]:g} s of the run"
+            if start:
+                lasting += f", from {whole[0]:g} s to {whole[1]:g} s"
+            raise InputError(f"from {written[0]} to {written[1]} is no time within the {lasting}.")
         return first, last
 
     def _predicate(self, key: str, *, of_signal: bool) -> tuple[str, str]:

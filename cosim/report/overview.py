@@ -95,7 +95,7 @@ def _draw_platform(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary]
     if "contacts" in names:
         draw_contacts(axes["contacts"], run, touching, summaries)
     for name in names:
-        axes[name].set_xlim(0, float(run.ticks / run.base_rate))
+        axes[name].set_xlim(*run.span)
         if name != names[-1]:
             axes[name].tick_params(labelbottom=False)
     if names:
@@ -111,4 +111,5 @@ def _draw_signals(figure: Any, run: Run, summaries: Mapping[str, ColumnSummary])
     for axis, (unit, names) in zip(axes, panels, strict=False):
         draw_series(axis, run, {name: name for name in names}, summaries, unit)
     axes[-1].set_xlabel("time (s)")
-    axes[-1].set_xlim(0, max(float(run.ticks / run.base_rate), 1e-9))
+    first, end = run.span
+    axes[-1].set_xlim(first, max(end, first + 1e-9))

@@ -27,7 +27,7 @@ def bin_times(run: Run, group: SignalGroup, summary: ColumnSummary) -> NDArray[n
     """Middle of each bin of an envelope (s), shape (bins,)."""
     bins = np.arange(summary.lows.size)
     rows = (bins * summary.rows_per_bin + (summary.rows_per_bin - 1) / 2) * group.period
-    return np.asarray(rows / float(run.base_rate), np.float64)
+    return np.asarray((rows + run.start_tick) / float(run.base_rate), np.float64)
 
 
 def draw_series(
@@ -131,7 +131,7 @@ def draw_contacts(
         summary = summaries[contact.state]
         states = np.where(summary.lows == 0, 0, summary.highs)
         width = summary.rows_per_bin * run[contact.state].group.period / float(run.base_rate)
-        edges = np.arange(states.size + 1) * width
+        edges = run.span[0] + np.arange(states.size + 1) * width
         axis.pcolormesh(
             edges, [row - 0.36, row + 0.36], states[None], cmap=colours, vmin=-0.5, vmax=3.5
         )

@@ -37,10 +37,10 @@ def draw_path(axis: Any, run: Run, platform: RecordedPlatform) -> None:
         axis.plot(path[0], path[1], color=colour, linewidth=width, label=f"box of {copy}", zorder=3)
         _draw_ghosts(axis, [_outline(_at(path, m), side) for m in moments], colour, index)
         _draw_fingers(axis, run, copy, platform.tips[copy], colour)
-    duration = float(run.ticks / run.base_rate)
+    first_time, end_time = run.span
     for moment in moments:
         x, y = _outline(_at(paths[0], moment), side)[0]
-        label = f"{moment * duration:.3g} s"
+        label = f"{first_time + moment * (end_time - first_time):.3g} s"
         axis.annotate(label, (x, y), (-3, -3), textcoords="offset points", **TIME_LABEL)
     axis.set_aspect("equal", adjustable="datalim")
     axis.margins(0.08)

@@ -66,6 +66,6 @@ def runaways(
         if not signal.is_float or name in judged or not size > bound:
             continue
         row = int(np.argmax(np.abs(signal.values) > bound))
-        since = float(signal.group.ticks_of(row, row + 1)[0] / run.base_rate)
+        since = float(run.seconds(signal.group.ticks_of(row, row + 1))[0])
         found.append(Runaway(name, signal.unit, bound, since, size))
     return sorted(found, key=lambda each: (each.since, each.signal))

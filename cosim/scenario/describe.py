@@ -24,6 +24,7 @@ def describe(scenario: Scenario) -> dict[str, Any]:
         "name": scenario.name,
         "title": scenario.title,
         "duration": number(scenario.duration),
+        "start_time": number(scenario.start_time),
         "ticks": scenario.ticks,
         "base_rate": number(scenario.base_rate),
         "seed": scenario.seed,

@@ -208,6 +208,8 @@ class Scenario:
     """Simulated time (s)."""
     ticks: int
     """Simulated time in base ticks; a duration between two ticks is rounded up."""
+    start_tick: int = 0
+    """How many base ticks after time 0 its first tick is; ticks themselves count from there."""
     base_rate: Fraction
     """Base ticks a second (Hz): the least common multiple of all rates unless it is given."""
     seed: int = 0
@@ -228,6 +230,11 @@ class Scenario:
 
     root: Node = field(repr=False, compare=False)
     """The document as it was written, after includes, overlays and overrides."""
+
+    @property
+    def start_time(self) -> Fraction:
+        """The time of the first tick (s)."""
+        return self.start_tick / self.base_rate
 
     @property
     def stations(self) -> tuple[str, ...]:

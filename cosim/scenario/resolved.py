@@ -56,6 +56,8 @@ def to_document(scenario: Scenario) -> dict[str, Any]:
         "realtime": _plain(scenario.realtime),
         "link": _plain(scenario.link),
     }
+    if scenario.start_tick:
+        document["start_time"] = _exact(scenario.start_time)
     if scenario.knobs:
         document["knobs"] = {str(knob.target): _knob(scenario, knob) for knob in scenario.knobs}
     if scenario.events:

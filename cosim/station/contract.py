@@ -24,6 +24,7 @@ def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
     channels = {bundle.channel: bundle for bundle in (*peer.sends, *peer.receives)}
     return {
         "base_rate": str(scenario.base_rate),
+        "start_time": str(scenario.start_time),
         "rates": {name: str(bundle.period) for name, bundle in channels.items()},
         "packets": {
             f"{bundle.source} to {bundle.target} ({bundle.channel})": bundle.describe()

@@ -61,8 +61,10 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     stations = [str(link["station"]) for link in links]
     if len(set(stations)) < len(stations):
         raise InputError(f"two of the runs are of station {stations[0]}; merge different stations")
-    if len({run.base_rate for run in runs}) > 1:
-        raise InputError("the runs have different base rates; they are not of one session")
+    if len({(run.base_rate, run.start_tick) for run in runs}) > 1:
+        raise InputError(
+            "the runs have different base rates or start times; they are not of one session"
+        )
     periods = lcm(*(group.period for run in runs for group in run.groups.values()))
     firsts = [int(link["first_tick"]) for link in links]
     # Every group has a row at a multiple of all periods.
@@ -78,7 +80,7 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
         for (label, period), columns in parts.items()
     ]
     base_rate = runs[0].base_rate
-    with Recorder(folder / RUN_FILE, end - first) as recorder:
+    with Recorder(folder / RUN_FILE, end - first, runs[0].start_tick) as recorder:
         recorder.begin(groups, base_rate)
         shifts = dict(zip(map(id, runs), (first - begin for begin in firsts), strict=True))
         for number, columns in enumerate(parts.values()):

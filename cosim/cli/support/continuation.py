@@ -12,6 +12,7 @@ import numpy as np
 
 from cosim.base.errors import InputError, RunError
 from cosim.base.quantities.quantity import QuantityError, quantity
+from cosim.master.assembly.clock import Clock
 from cosim.master.run.checkpoint import refuse_unless_resumable
 from cosim.master.run.simulation import Pause, Progress, Simulation
 from cosim.master.run.snapshot import Snapshot, read_snapshot
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from cosim.base.recording import RecordGroup, Rows
     from cosim.record.writer import Recorder
+    from cosim.scenario import Scenario
 
 Say = Callable[[str], None]
 BLOCK_ROWS = 1024
@@ -32,21 +34,22 @@ def snapshot_file(folder: Path, tick: int) -> Path:
     return folder / f"snapshot-{tick}"
 
 
-def tick_at(time: str, base_rate: Fraction, option: str) -> int:
-    """A time that was given (``2.5s``, or seconds) as a tick.
+def tick_at(time: str, scenario: Scenario, option: str) -> int:
+    """A time that was given (``2.5s``, or seconds) as a tick, which counts from the start.
 
     Raises:
         InputError: it is no time, below 0, or between two ticks.
     """
     try:
-        ticks = quantity(time, "s") * base_rate
+        ticks = quantity(time, "s") * scenario.base_rate - scenario.start_tick
     except QuantityError as error:
         raise InputError(f"{option}: '{time}' is not a time: {error}") from None
     if ticks < 0:
         raise InputError(f"{option}: {time} lies before the run.")
     if ticks.denominator != 1:
         around = [int(ticks), int(ticks) + 1]
-        near = " and ".join(f"{float(tick / base_rate):.10g} s (tick {tick})" for tick in around)
+        clock = Clock(scenario.base_rate, scenario.start_tick)
+        near = " and ".join(f"{clock.seconds(tick):.10g} s (tick {tick})" for tick in around)
         raise InputError(f"{option}: {time} lies between two ticks; the nearest are {near}.")
     return int(ticks)
 
@@ -133,7 +136,7 @@ class Continuation:
         if self.origin is None:
             simulation.run(recorder, progress=progress, pauses=pauses)
             return
-        tick = tick_at(self.origin.time, simulation.scenario.base_rate, "--from")
+        tick = tick_at(self.origin.time, simulation.scenario, "--from")
         with open_run(self.origin.folder) as run:
             snapshot = self._snapshot(run, tick)
             if snapshot is not None:
@@ -142,7 +145,7 @@ class Continuation:
                     self.say(_repeats(simulation))
             compared = Compared(recorder, run, 0 if snapshot is None else tick)
             simulation.run(compared, progress=progress, pauses=pauses)
-            compared.judge(simulation.scenario.base_rate)
+            compared.judge(simulation.assembly.clock)
             self.say(compared.sentence())
 
     def _snapshot(self, run: Run, tick: int) -> Snapshot | None:
@@ -163,12 +166,12 @@ class Continuation:
         return None
 
     def _pauses(self, simulation: Simulation, recorder: Recorder) -> dict[int, Pause]:
-        base_rate, end = simulation.scenario.base_rate, simulation.scenario.ticks
-        ticks = [tick_at(time, base_rate, "--snapshot") for time in self.keep]
+        end, clock = simulation.scenario.ticks, simulation.assembly.clock
+        ticks = [tick_at(time, simulation.scenario, "--snapshot") for time in self.keep]
         for time, tick in zip(self.keep, ticks, strict=True):
             if tick > end:
                 raise InputError(
-                    f"--snapshot: {time} lies behind the run's end, {float(end / base_rate):g} s."
+                    f"--snapshot: {time} lies behind the run's end, {clock.seconds(end):g} s."
                 )
         if ticks and simulation.repeated:
             self.say(_repeats(simulation))
@@ -222,7 +225,7 @@ class Compared:
             self._last = max(self._last, (last - 1) * described.period)
         self._recorder.commit(group, first_tick, rows)
 
-    def judge(self, base_rate: Fraction) -> None:
+    def judge(self, clock: Clock) -> None:
         """Whether both runs had the same rows.
 
         Raises:
@@ -232,7 +235,7 @@ class Compared:
             tick, name = self._different
             raise RunError(
                 f"This run is not {self._run.folder}: {name} has another value at tick {tick} "
-                f"(t = {float(tick / base_rate):g} s). Something that the numbers depend on has "
+                f"(t = {clock.seconds(tick):g} s). Something that the numbers depend on has "
                 "changed since."
             )
 

@@ -64,7 +64,7 @@ def put_together(
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
     problems = Problems(scenario.root)
-    clock = Clock(scenario.base_rate)
+    clock = Clock(scenario.base_rate, scenario.start_tick)
     participants = read_participants(scenario, clock, problems, instances, kinds)
     isolated = isolate(participants, scenario)
     scenario = with_files(scenario, participants)

@@ -18,9 +18,11 @@ EXACT = 1 << 53
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """The base rate (Hz) and what follows from it."""
+    """The base rate (Hz), the time of the first tick, and what follows from them."""
 
     base_rate: Fraction
+    start_tick: int = 0
+    """How many ticks after time 0 the first one is."""
 
     @property
     def tick(self) -> Fraction:
@@ -29,7 +31,7 @@ class Clock:
 
     def seconds(self, tick: int) -> float:
         """The time of a tick (s), rounded once."""
-        return float(tick * self.tick)
+        return float((self.start_tick + tick) * self.tick)
 
     def step(self, period: int, substeps: int = 1) -> float:
         """The length of one of ``substeps`` equal steps over ``period`` ticks (s), rounded once."""
@@ -55,7 +57,7 @@ class Clock:
         Raises:
             InputError: the time is no ratio of two integers that doubles hold exactly.
         """
-        largest = ticks * substeps * self.tick.numerator
+        largest = (self.start_tick + ticks) * substeps * self.tick.numerator
         if max(largest, substeps * self.tick.denominator) >= EXACT:
             raise InputError(
                 f"{ticks} base ticks with {substeps} sub-steps of {component} are too many to keep "

@@ -21,7 +21,7 @@ from cosim.master.channels.fates import fates_of
 from cosim.master.components.participants import Participant, other_values
 from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
 
-_STRUCTURE = ("base_rate", "rates", "record")
+_STRUCTURE = ("base_rate", "start_tick", "rates", "record")
 
 
 def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:

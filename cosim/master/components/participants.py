@@ -153,6 +153,7 @@ def setup_of(scenario: Scenario, participant: Participant) -> Setup:
         tick=(tick.numerator, tick.denominator),
         period=participant.period,
         seed=stream_key(scenario.seed, "component", participant.name),
+        start_time=float(scenario.start_time),
     )
 
 

@@ -125,11 +125,11 @@ class Binding(Protocol):
         """Leave configuration mode."""
         ...
 
-    def set_up_experiment(self, stop_time: float) -> int:
-        """Say when the run begins (at 0) and ends (s), where that has a call of its own."""
+    def set_up_experiment(self, start_time: float, stop_time: float) -> int:
+        """Say when the run begins and ends (s), where that has a call of its own."""
         ...
 
-    def enter_initialisation(self, stop_time: float) -> int:
+    def enter_initialisation(self, start_time: float, stop_time: float) -> int:
         """Enter initialisation mode."""
         ...
 

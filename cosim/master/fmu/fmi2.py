@@ -156,12 +156,12 @@ class Fmi2:
         """FMI 2.0 has no configuration mode."""
         return OK
 
-    def set_up_experiment(self, stop_time: float) -> int:
-        """Say when the run begins (at 0) and ends (s)."""
-        return self._call("fmi2SetupExperiment", 0, 0.0, 0.0, 1, stop_time)
+    def set_up_experiment(self, start_time: float, stop_time: float) -> int:
+        """Say when the run begins and ends (s)."""
+        return self._call("fmi2SetupExperiment", 0, 0.0, start_time, 1, stop_time)
 
-    def enter_initialisation(self, stop_time: float) -> int:
-        """Enter initialisation mode; ``set_up_experiment`` has told the stop time."""
+    def enter_initialisation(self, start_time: float, stop_time: float) -> int:
+        """Enter initialisation mode; ``set_up_experiment`` has told the times."""
         return self._call("fmi2EnterInitializationMode")
 
     def exit_initialisation(self) -> int:

@@ -165,13 +165,14 @@ class Fmi3:
         """Leave configuration mode."""
         return self._call("fmi3ExitConfigurationMode")
 
-    def set_up_experiment(self, stop_time: float) -> int:
+    def set_up_experiment(self, start_time: float, stop_time: float) -> int:
         """FMI 3.0 is told with ``enter_initialisation``."""
         return OK
 
-    def enter_initialisation(self, stop_time: float) -> int:
-        """Enter initialisation mode for a run from 0 to ``stop_time`` (s)."""
-        return self._call("fmi3EnterInitializationMode", False, 0.0, 0.0, True, stop_time)
+    def enter_initialisation(self, start_time: float, stop_time: float) -> int:
+        """Enter initialisation mode for a run from ``start_time`` to ``stop_time`` (s)."""
+        times = (start_time, True, stop_time)
+        return self._call("fmi3EnterInitializationMode", False, 0.0, *times)
 
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""

@@ -241,15 +241,16 @@ class Fmu:
         self._set_each(structural)
         self._check("leave configuration mode", self._bound.exit_configuration())
 
-    def enter_initialisation(self, stop_time: float) -> None:
-        """Set up the experiment and enter initialisation mode at time 0.
+    def enter_initialisation(self, start_time: float, stop_time: float) -> None:
+        """Set up the experiment and enter initialisation mode; times in seconds.
 
         Raises:
             InputError: the FMU refuses to.
             RunError: it failed for good.
         """
-        self._check("set up the experiment", self._bound.set_up_experiment(stop_time))
-        self._check("enter initialisation mode", self._bound.enter_initialisation(stop_time))
+        times = (start_time, stop_time)
+        self._check("set up the experiment", self._bound.set_up_experiment(*times))
+        self._check("enter initialisation mode", self._bound.enter_initialisation(*times))
 
     def exit_initialisation(self) -> None:
         """Leave initialisation mode, ready to step.

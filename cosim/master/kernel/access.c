@@ -163,7 +163,8 @@ Outcome do_step(Kernel *kernel, Instance *instance)
 {
     double denominator = (double)(instance->substeps * kernel->tick_denominator);
     for (int64_t i = 0; i < instance->substeps; i++) {
-        int64_t ticks = kernel->tick * instance->substeps + i * instance->period;
+        int64_t ticks = (kernel->start_tick + kernel->tick) * instance->substeps
+                      + i * instance->period;
         double time = (double)(ticks * kernel->tick_numerator) / denominator;
         int status;
         if (instance->version == 2) {

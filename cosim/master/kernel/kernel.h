@@ -171,6 +171,7 @@ typedef struct {
     Record *records;
     int64_t tick_numerator; /* a tick is tick_numerator / tick_denominator seconds */
     int64_t tick_denominator;
+    int64_t start_tick; /* how many ticks after time 0 tick 0 is */
     const Change *changes; /* in the order of their ticks */
     int64_t change_count;
     int64_t next_change;

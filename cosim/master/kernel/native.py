@@ -187,6 +187,7 @@ class KernelStruct(ctypes.Structure):
         ("records", c_void_p),
         ("tick_numerator", c_int64),
         ("tick_denominator", c_int64),
+        ("start_tick", c_int64),
         ("changes", c_void_p),
         ("change_count", c_int64),
         ("next_change", c_int64),

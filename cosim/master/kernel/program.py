@@ -217,6 +217,7 @@ class Program:
         kernel.records = ctypes.addressof(self.records)
         kernel.tick_numerator = tick.numerator
         kernel.tick_denominator = tick.denominator
+        kernel.start_tick = self.clock.start_tick
         kernel.running = -1
 
     def _operation_numbers(self, action: Action) -> list[int]:

@@ -62,7 +62,7 @@ def difference(
 
 
 def _plan(assembly: Assembly) -> Iterator[Any]:
-    yield assembly.scenario.base_rate
+    yield assembly.scenario.base_rate, assembly.scenario.start_tick
     for actions in (assembly.plan.initial, assembly.plan.first, assembly.plan.every):
         yield [_action(action) for action in actions]
     layout = assembly.layout

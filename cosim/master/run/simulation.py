@@ -396,7 +396,8 @@ class Simulation:
             period = self.assembly.parts[name].period
             last = -(-end // period) * period  # the end of its last step may lie beyond the run's
             with placed_refusal(self.scenario, name), self._guarding(fmu):
-                fmu.enter_initialisation(self.assembly.clock.seconds(last))
+                clock = self.assembly.clock
+                fmu.enter_initialisation(clock.seconds(0), clock.seconds(last))
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
         with self._guarding(*self._fmus.values()):

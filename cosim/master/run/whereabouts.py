@@ -58,7 +58,7 @@ class Whereabouts:
         ``scenario`` is the one that ran; its components give the numbers their names.
         """
         tick = int(self.kernel.tick)
-        when = f"at tick {tick} ({float(tick / scenario.base_rate):g} s)"
+        when = f"at tick {tick} ({float((scenario.start_tick + tick) / scenario.base_rate):g} s)"
         text = bytes(self._memory[:_HEARD]).split(b"\0", 1)[0].decode(errors="replace")
         if text:
             component, call = text.split("\n", 1)

@@ -66,7 +66,7 @@ def _write_topic(writer: Any, table: Table) -> None:
         for name, signal in zip(names, table.signals, strict=True):
             rows[name] = table.values(signal, first, last)
         for tick, record in zip(ticks.tolist(), rows, strict=True):
-            at = tick * rate.denominator * NANOSECONDS // rate.numerator
+            at = (tick + table.run.start_tick) * rate.denominator * NANOSECONDS // rate.numerator
             writer.add_message(
                 channel_id=channel,
                 log_time=at,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import ceil, floor
 from pathlib import Path
 from typing import Any, cast
 
@@ -55,7 +56,8 @@ def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
     channels = _channels(context, components)
     connections = _connections(context, components, channels)
     knobs = build_knobs(context, channels)
-    events = build_events(context, channels, timebase.ticks(document.duration))
+    start_tick = _start_tick(context)
+    events = build_events(context, channels, timebase.ticks(document.duration), start_tick)
     record = _record(context)
     for signal in document.expect:
         for component in components_in(signal):
@@ -69,6 +71,7 @@ def build(root: Node, file: Path, forms: Forms | None = None) -> Scenario:
         description=document.description,
         duration=document.duration,
         ticks=timebase.ticks(document.duration),
+        start_tick=start_tick,
         base_rate=timebase.base_rate,
         seed=document.seed,
         rates=document.rates,
@@ -157,6 +160,21 @@ def _timebase(context: Context) -> Timebase:
         context.problems.add(paths[label], sentence)
     context.refused = {rates[label] for label in refused}
     return timebase
+
+
+def _start_tick(context: Context) -> int:
+    """The first tick, which is one of those that count from time 0."""
+    start, base_rate = context.document.start_time, context.timebase.base_rate
+    ticks = start * base_rate
+    if ticks.denominator != 1:
+        near = " or ".join(
+            f"{float(tick / base_rate):.12g} s" for tick in (floor(ticks), ceil(ticks))
+        )
+        context.problems.add(
+            ("start_time",),
+            f"start_time: {float(start):g} s lies between two base ticks; write {near}.",
+        )
+    return floor(ticks)
 
 
 def _all_rates(

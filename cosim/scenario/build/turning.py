@@ -48,13 +48,21 @@ def build_knobs(context: Context, channels: Mapping[str, Channel]) -> tuple[Knob
 
 
 def build_events(
-    context: Context, channels: Mapping[str, Channel], ticks: int
+    context: Context, channels: Mapping[str, Channel], ticks: int, start_tick: int
 ) -> tuple[Event, ...]:
-    """Every event, in the order of their ticks; ``ticks`` is the scenario's end."""
+    """Every event, in the order of their ticks; ``ticks`` is the scenario's end.
+
+    ``start_tick`` is its first tick, counted from time 0.
+    """
     events: list[Event] = []
     for position, form in enumerate(context.document.events):
         index = context.index("events", position)
-        tick = _tick(context, form.at)
+        tick = _tick(context, form.at, start_tick)
+        if tick < 0:
+            start = float(context.document.start_time)
+            message = f"events.{index}: it lies before the run, which starts at {start:g} s."
+            context.problems.add(("events", index, "at"), message)
+            continue
         if tick >= ticks:
             message = (
                 f"events.{index}: it is at tick {tick}, and the run ends before that, with tick "
@@ -88,8 +96,11 @@ def _settings(
     return []
 
 
-def _tick(context: Context, at: Lag) -> int:
-    return int(at.amount) if at.unit == "ticks" else context.timebase.ticks(at.amount)
+def _tick(context: Context, at: Lag, start_tick: int) -> int:
+    """A written number of ticks counts from the start, a time from 0."""
+    if at.unit == "ticks":
+        return int(at.amount)
+    return context.timebase.ticks(at.amount) - start_tick
 
 
 def _is_known(context: Context, path: tuple[PathKey, ...], name: str) -> bool:

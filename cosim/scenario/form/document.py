@@ -5,6 +5,7 @@ This is the form after includes, overlays and overrides; ``cosim.scenario.build`
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, cast
 
@@ -33,6 +34,7 @@ from cosim.scenario.form.fields import (
     Seconds,
     Signal,
     SignalName,
+    Span,
 )
 from cosim.scenario.form.sections import Chosen, Forms, all_of
 from cosim.scenario.form.turning import EventForm, KnobForm
@@ -191,6 +193,9 @@ class Document(Form):
     title: str = Field(default="", description="One line that says what this is.")
     description: str = Field(default="", description="What it shows and where it comes from.")
     duration: Seconds = Field(description="Simulated time.")
+    start_time: Span = Field(
+        default=Fraction(0), description="The time of its first tick; a whole number of base ticks."
+    )
     seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
         default=0, description="What every random draw derives from."
     )

@@ -99,6 +99,11 @@ BURSTS = {"good_to_bad": 0.3, "bad_to_good": 0.3, "loss_good": 0.1, "loss_bad": 
 CASES: dict[Key, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
     ("Document", "name"): ({}, {"name": "one"}, {"name": "two"}),
     ("Document", "duration"): ({}, {}, {"duration": 0.04}),
+    ("Document", "start_time"): (
+        {},
+        fmu(fmu="signal", parameters={"mode": "sine", "frequency": 40}),
+        {**fmu(fmu="signal", parameters={"mode": "sine", "frequency": 40}), "start_time": 0.03},
+    ),
     ("Document", "seed"): (lan(loss=0.4), {}, {"seed": 2}),
     ("Document", "base_rate"): ({}, {}, {"base_rate": 2000}),
     ("Document", "rates"): ({}, {}, {"rates": {"slow": 250}}),

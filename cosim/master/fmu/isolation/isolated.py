@@ -154,13 +154,13 @@ class Isolated:
         """Leave configuration mode."""
         return self._ask("exit_configuration")
 
-    def set_up_experiment(self, stop_time: float) -> int:
-        """Say when the run begins (at 0) and ends (s), where that has a call of its own."""
-        return self._ask("set_up_experiment", stop_time)
+    def set_up_experiment(self, start_time: float, stop_time: float) -> int:
+        """Say when the run begins and ends (s), where that has a call of its own."""
+        return self._ask("set_up_experiment", start_time, stop_time)
 
-    def enter_initialisation(self, stop_time: float) -> int:
+    def enter_initialisation(self, start_time: float, stop_time: float) -> int:
         """Enter initialisation mode."""
-        return self._ask("enter_initialisation", stop_time)
+        return self._ask("enter_initialisation", start_time, stop_time)
 
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
