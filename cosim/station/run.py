@@ -331,6 +331,8 @@ def _facts(
             "foreign": link.foreign,
             "flood": link.intake.flood,
             "faulty": link.faulty,
+            "before_start": link.before_start,
+            "absurd_exchanges": clock.refused,
             "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
             "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
             "clock_skew": clock.skew if clock.ready else None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -84,11 +85,9 @@ class SessionNegotiator:
         """What the manifest tells of the handshakes; never a key."""
         found: dict[str, Any] = {"absurd_grids": self.agreement.absurd}
         for peer in self.peers:
-            drops = self.agreement.side(peer).drops
             found[peer] = {
-                "foreign": drops.foreign,
-                "stray": drops.stray,
-                "too_many": drops.too_many,
+                **asdict(self.agreement.side(peer).drops),
+                "absurd_exchanges": self.agreement.clock(peer).refused,
             }
         return found
 

@@ -58,6 +58,9 @@ class HandshakeServer:
         self.loop = socket.socket(fileno=settings["loop"])
         self.loop.setblocking(False)
         self.live = False
+        self.short = self.early_values = self.other_versions = 0
+        """Datagrams: too short to be one of the link's, values before the start, of another version
+        of the protocol."""
         self._buffer = memoryview(bytearray(LARGEST_READ))
         self._noted: set[str] = set()
         self._version_noted: set[int] = set()
@@ -100,10 +103,15 @@ class HandshakeServer:
 
     def take(self, number: int, datagram: bytes, arrived: int) -> None:
         """Take a datagram from a peer's address, and answer it where there is an answer."""
-        if len(datagram) < HEADER.size or datagram[3] < PacketKind.HELLO:
+        if len(datagram) < HEADER.size:
+            self.short += 1
+            return
+        if datagram[3] < PacketKind.HELLO:
             # Values of a peer that is ahead of this side; it repeats them.
+            self.early_values += 1
             return
         if datagram[:2] == MAGIC and datagram[2] != VERSION:
+            self.other_versions += 1
             self._note_version(number, datagram[2])
             return
         answer = self.negotiator.agreement.receive(
@@ -113,6 +121,15 @@ class HandshakeServer:
         self._tell()
         if answer is not None:
             self.links[number].send(answer)
+
+    def facts(self) -> dict[str, Any]:
+        """What the manifest tells of all that came and changed nothing; never a key."""
+        return {
+            **self.negotiator.facts(),
+            "short": self.short,
+            "early_values": self.early_values,
+            "other_versions": self.other_versions,
+        }
 
     def notes(self) -> list[bytes]:
         """What to tell who waits, each sentence once."""
@@ -173,7 +190,7 @@ class HandshakeServer:
                 return False
             if message == QUIT:
                 with contextlib.suppress(OSError):
-                    self.loop.send(FACTS + json.dumps(self.negotiator.facts()).encode())
+                    self.loop.send(FACTS + json.dumps(self.facts()).encode())
                 return False
             if message == ARMED:
                 self.negotiator.agreement.armed = True

@@ -72,6 +72,8 @@ class PeerLink:
         """Datagrams of no known kind or stream."""
         self.faulty = 0
         """Datagrams that the receive path could not cope with; always 0 unless it has an error."""
+        self.before_start = 0
+        """Value datagrams before the start that were none of the peer's first tick."""
         self.before_arrival: Callable[[], None] | None = None
         """Called in a tick in which something has arrived, before that is looked at."""
         self._forward, self._hear = forward, hear
@@ -187,9 +189,12 @@ class PeerLink:
                 self._pass_on(datagram)
                 continue
             try:
-                found |= any(item.receiver.take_initial(datagram) for item in self.incoming)
+                held = any(item.receiver.take_initial(datagram) for item in self.incoming)
             except Exception:
                 self.faulty += 1
+                continue
+            self.before_start += not held
+            found |= held
         return found
 
     def stop(self, tick: int, now: int, epoch: int) -> None:

@@ -43,6 +43,8 @@ class ClockEstimate:
         self.last_round_trip = 0
         self.ready = False
         """Whether an estimate exists."""
+        self.refused = 0
+        """Exchanges that could not be true."""
 
     @property
     def samples(self) -> int:
@@ -52,9 +54,9 @@ class ClockEstimate:
     def add(self, sent: int, peer_received: int, peer_sent: int, received: int) -> bool:
         """Add one exchange: own, peer's, peer's, own clock; whether it made sense."""
         trip = (received - sent) - (peer_sent - peer_received)
-        if not 0 <= trip < LONGEST_TRIP or sent > received:
-            return False
-        if max(abs(peer_received), abs(peer_sent)) > LARGEST_TIME:
+        absurd = not 0 <= trip < LONGEST_TRIP or sent > received
+        if absurd or max(abs(peer_received), abs(peer_sent)) > LARGEST_TIME:
+            self.refused += 1
             return False
         slot = self._count % len(self._times)
         times, offsets, trips, ways = self._rings

@@ -183,6 +183,29 @@ def test_noise_and_a_good_greeting_are_not_worth_a_word() -> None:
         assert waiting.notes_after(b"", bytes(30), struct.pack("<Q", 7), hello("b", "a")) == []
 
 
+def test_every_datagram_that_changes_nothing_is_in_the_manifest() -> None:
+    other_key = hello("b", "a", PreSharedKey(bytes(range(KEY_SIZE))))
+    old = HEADER.pack(MAGIC, 1, PacketKind.HELLO, 0, 0, 0, 0) + bytes(1176)
+    value = HEADER.pack(MAGIC, VERSION, PacketKind.DATA, 0, 0, 5, 0) + bytes(100)
+    own = Answerer(own="a", peer="b", key=NO_KEY, contract=Contract({"rate": 128})).poll(0)
+    with Waiting() as waiting:
+        waiting.notes_after(b"", bytes(23), *[value] * 3, *[old] * 4, *[other_key] * 5, *own)
+        facts = waiting.process.facts()
+    assert facts == {
+        "absurd_grids": 0,
+        "short": 2,
+        "early_values": 3,
+        "other_versions": 4,
+        "b": {
+            "foreign": 6,
+            "stray": 0,
+            "too_many": 0,
+            "same_name": 1,
+            "absurd_exchanges": 0,
+        },
+    }
+
+
 def test_a_refusal_is_cut_by_sentences_and_not_by_bytes() -> None:
     """Contracts may differ in thousands of names, and names may be long."""
     lines = [f"{'ä' * 400}[{number}]: 1 at a, 2 at b" for number in range(3000)]

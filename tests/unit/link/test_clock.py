@@ -65,6 +65,7 @@ def test_nonsense_times_do_no_harm(times) -> None:
         assert (estimate.samples > before) == (0 <= trip < 10**10 and sensible)
         estimate.update(exchange[3])
         assert -1e-3 <= estimate.skew <= 1e-3
+    assert estimate.refused == len(times) - estimate.samples
 
 
 @pytest.mark.parametrize("skew", [-100e-6, 0.0, 100e-6])
