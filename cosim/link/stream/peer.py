@@ -47,6 +47,9 @@ class Reason(IntEnum):
     """The own loop stood still for longer than the hold time."""
 
 
+_LIVE = PeerState.LIVE
+
+
 class PeerWeight:
     """The weight of one peer, advanced once every base tick."""
 
@@ -99,6 +102,9 @@ class PeerWeight:
         takes) it has acknowledged nothing new, ``late`` that packets come, but too late to be used.
         """
         self._silence = 0 if fresh else self._silence + 1
+        if self._is_untroubled(source_age, active=active, unheard=unheard):
+            self._good += fresh
+            return self.weight
         overdue = max(self._silence, source_age) - self._overdue_after
         reason = self._reason(source_age, active=active, unheard=unheard, late=late)
         if reason is not Reason.NONE:
@@ -127,6 +133,16 @@ class PeerWeight:
             case PeerState.LOST:
                 self._await_return(reason)
         return self.weight
+
+    def _is_untroubled(self, source_age: int, *, active: bool, unheard: int) -> bool:
+        """Whether a peer that counts in full goes on to do so: nearly every tick of a good link."""
+        return (
+            self.state is _LIVE
+            and active
+            and self._silence <= self._overdue_after
+            and source_age <= self._overdue_after
+            and unheard < self.hold
+        )
 
     def _reason(self, source_age: int, *, active: bool, unheard: int, late: bool) -> Reason:
         if not active:

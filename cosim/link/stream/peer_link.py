@@ -140,6 +140,8 @@ class PeerLink:
         """Read what has arrived, newest first; beyond a limit it is thrown away and counted."""
         intake = self.intake
         values, full = intake.read(tick, self._pass_on, self.before_arrival)
+        if not values and not full:
+            return
         for _, place, size, arrived in values:
             # Nothing that comes from outside may end the loop.
             try:

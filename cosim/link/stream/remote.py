@@ -12,14 +12,13 @@ from dataclasses import dataclass
 from math import gcd
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
-from cosim.link.stream.peer import Reason
-from cosim.link.stream.peer_link import Incoming, PeerLink
+from cosim.link.stream.incoming import Incoming
+from cosim.link.stream.peer import PeerState, Reason
+from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.phase import PhaseFollower
+from cosim.link.wire.packet import DataWriter
 
 
 class Grid:
@@ -49,19 +48,36 @@ class _Shown:
     elements: list[tuple[memoryview[Any], int, bool]]
     """For each element of the packet, the cells it goes to, its place there, and whether they hold
     integers. A memory view takes a plain number at half of an array's cost."""
-    weight: Cells
-    valid: Cells
-    age: Cells
-    state: Cells
-    sequence: Cells
-    delay: Cells
-    reason: Cells
+    weight: memoryview[Any]
+    valid: memoryview[Any]
+    age: memoryview[Any]
+    state: memoryview[Any]
+    sequence: memoryview[Any]
+    delay: memoryview[Any]
+    reason: memoryview[Any]
+    seen: tuple[float, PeerState] | None = None
+    """Weight and state as they are shown."""
 
     def show_values(self) -> None:
         """Copy the packet's elements; one by one, because each may lie somewhere else."""
         values: list[float] = self.item.receiver.values.tolist()
         for (cells, place, whole), value in zip(self.elements, values, strict=True):
             cells[place] = int(value) if whole else value
+
+    def show_facts(self) -> None:
+        """What the link says of the stream; mostly it is a tick older, and that is all."""
+        item = self.item
+        weight = item.weight
+        self.age[0] = item.age
+        seen = (weight.weight, weight.state)
+        if item.fresh or seen != self.seen:
+            self.seen = seen
+            self.weight[0] = weight.weight
+            self.valid[0] = item.valid
+            self.state[0] = weight.state
+            self.sequence[0] = item.receiver.sequence
+            self.delay[0] = item.receiver.delay
+        self.reason[0] = weight.reason
 
 
 class RemoteStation(Component):
@@ -95,9 +111,11 @@ class RemoteStation(Component):
         self._now = now
         self._tick = 0
         self._update_every = max(1, round(1e9 / grid.tick_ns))
+        self._early_every = max(1, self._update_every // 8)
+        """Ticks between two looks at the clock; at first there are more."""
         self._variables = _variables(link)
         self._shown: list[_Shown] = []
-        self._gather: list[tuple[list[tuple[memoryview, int]], NDArray[np.float64]]] = []
+        self._gather: list[tuple[list[tuple[memoryview[Any], int]], DataWriter]] = []
         self._send_every = gcd(*(bundle.period for bundle in link.outgoing.bundles)) or 1
         self._facts: dict[str, Cells] = {}
         self._read_at: int | None = None
@@ -120,6 +138,7 @@ class RemoteStation(Component):
         for item in self.link.incoming:
             bundle = item.receiver.bundle
             channel = bundle.channel
+            facts = [outputs[f"{channel}.{fact}"].data for fact in STREAM_FACTS]
             self._shown.append(
                 _Shown(
                     item,
@@ -128,19 +147,19 @@ class RemoteStation(Component):
                         for cells, place in _elements(bundle, outputs)
                         for whole in (cells.dtype.kind != "f",)
                     ],
-                    *(outputs[f"{channel}.{fact}"] for fact in STREAM_FACTS),
+                    *facts,
                 )
             )
         self._gather = [
             # A memory view gives plain numbers, which costs half of NumPy's.
-            ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer.values)
+            ([(cells.data, at) for cells, at in _elements(bundle, inputs)], writer)
             for bundle, writer in zip(
                 self.link.outgoing.bundles, self.link.outgoing.writers, strict=True
             )
         ]
         self._facts = {name: outputs[name] for name in LINK_FACTS}
         for shown in self._shown:
-            self._show(shown)
+            shown.show_facts()
 
     def read(self, tick: int) -> None:
         """Drain the socket, release what is due, weigh the peer."""
@@ -158,9 +177,9 @@ class RemoteStation(Component):
         for shown in self._shown:
             if shown.item.fresh:
                 shown.show_values()
-            self._show(shown)
-        often = self._update_every // 8 if not self.link.clock.ready else self._update_every
-        if session_tick % max(1, often) == 0:
+            shown.show_facts()
+        often = self._update_every if self.link.clock.ready else self._early_every
+        if session_tick % often == 0:
             self._follow()
 
     def write(self, tick: int) -> None:
@@ -173,8 +192,8 @@ class RemoteStation(Component):
 
     def collect(self) -> None:
         """Copy the inputs into the packets."""
-        for cells, values in self._gather:
-            values[:] = [cell[place] for cell, place in cells]
+        for cells, writer in self._gather:
+            writer.fill([cell[place] for cell, place in cells])
 
     def show_initial(self) -> None:
         """Show values that came before the start."""
@@ -184,16 +203,6 @@ class RemoteStation(Component):
     def close(self) -> None:
         """Announce an orderly stop."""
         self.link.stop(self._tick, self._now(), self.grid.epoch)
-
-    def _show(self, shown: _Shown) -> None:
-        item = shown.item
-        shown.weight[0] = item.weight.weight
-        shown.valid[0] = item.valid
-        shown.age[0] = item.age
-        shown.state[0] = item.weight.state
-        shown.sequence[0] = item.receiver.sequence
-        shown.delay[0] = item.receiver.delay
-        shown.reason[0] = item.weight.reason
 
     def _phase(self) -> float:
         """By how much the own ticks come later than the peer's (ns)."""

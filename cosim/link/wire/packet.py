@@ -8,6 +8,7 @@ under a key as long as a sequence never restarts.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from enum import IntEnum
 
 import numpy as np
@@ -120,12 +121,17 @@ class DataWriter:
         size = datagram_size(elements)
         plain = bytearray(size - HEADER.size - TAG_SIZE)
         self._plain = memoryview(plain)
+        self._numbers = struct.Struct(f"<{elements}d")
         self.datagram = memoryview(bytearray(size))
         """What to send after :meth:`seal`; overwritten by the next one."""
         self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
         """Shape (elements,): fill before :meth:`seal`."""
         self._sealer = sealer
         self._stream = stream
+
+    def fill(self, values: Sequence[float]) -> None:
+        """Set all :attr:`values`; with cold caches at a fraction of what NumPy takes."""
+        self._numbers.pack_into(self._plain, BODY.size, *values)
 
     def renew(self, sealer: Sealer) -> None:
         """Begin, or go on under a new session."""
