@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from cosim.link.stream.admission import PacketJudge
 from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.form import LinkForm
@@ -48,6 +50,7 @@ class Incoming:
         self._source_tick = -1.0
         self._source_changed = 0
         """Session tick of the packet in which the source's own tick last changed."""
+        self._values: memoryview[Any] = self.receiver.values.data
         # What the loop looks at every tick is looked up once.
         self._ages = bundle.indices(FieldRole.SOURCE_AGE)
         self._statuses = bundle.indices(FieldRole.STATUS)
@@ -88,8 +91,9 @@ class Incoming:
 
     def _inspect(self) -> None:
         """Of newly released values, find the source's age and whether it is active."""
-        values = self.receiver.values.tolist()
-        age = max([int(values[index]) for index in self._ages], default=0)
+        values, age, active = self._values, 0, True
+        for index in self._ages:
+            age = max(age, int(values[index]))
         for index in self._ticks:
             # A source that stands still is as old as its last change, whatever it says itself.
             if values[index] != self._source_tick:
@@ -97,4 +101,6 @@ class Incoming:
                 self._source_changed = self.receiver.tick
             age = max(age, self.receiver.tick - self._source_changed)
         self.source_age = min(age, LARGEST_AGE)
-        self.active = all(int(values[i]) & (ACTIVE | FAULT) == ACTIVE for i in self._statuses)
+        for index in self._statuses:
+            active = active and int(values[index]) & (ACTIVE | FAULT) == ACTIVE
+        self.active = active

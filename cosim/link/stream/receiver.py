@@ -147,8 +147,8 @@ class Receiver:
         self._stopped_in = 0
         self._slots: list[Floats] = list(np.zeros((WAITING_SLOTS, size)))
         # Copied as bytes: with cold caches a call of NumPy costs several microseconds.
-        self._held_bytes = memoryview(self.values).cast("B")
-        self._slot_bytes = [memoryview(slot).cast("B") for slot in self._slots]
+        self._held_bytes = self.values.data.cast("B")
+        self._slot_bytes = [slot.data.cast("B") for slot in self._slots]
         self._slot_order = [(0, 0)] * WAITING_SLOTS
         self._slot_tick = [0] * WAITING_SLOTS
         self._slot_due = [0] * WAITING_SLOTS

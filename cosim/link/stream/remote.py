@@ -8,7 +8,7 @@ outputs are evaluated, exactly where the master samples a simulated channel.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import gcd
 from typing import Any
 
@@ -55,7 +55,7 @@ class _Shown:
     sequence: memoryview[Any]
     delay: memoryview[Any]
     reason: memoryview[Any]
-    seen: tuple[float, PeerState] | None = None
+    seen: tuple[float, PeerState] | None = field(default=None, init=False)
     """Weight and state as they are shown."""
 
     def show_values(self) -> None:
@@ -138,7 +138,7 @@ class RemoteStation(Component):
         for item in self.link.incoming:
             bundle = item.receiver.bundle
             channel = bundle.channel
-            facts = [outputs[f"{channel}.{fact}"].data for fact in STREAM_FACTS]
+            facts = {fact: outputs[f"{channel}.{fact}"].data for fact in STREAM_FACTS}
             self._shown.append(
                 _Shown(
                     item,
@@ -147,7 +147,7 @@ class RemoteStation(Component):
                         for cells, place in _elements(bundle, outputs)
                         for whole in (cells.dtype.kind != "f",)
                     ],
-                    *facts,
+                    **facts,
                 )
             )
         self._gather = [
