@@ -4,13 +4,12 @@ Two sources. ``device``: a switch wired to the board itself, in every answer of 
 ``evdev:/dev/input/event5``: a foot pedal, button or key of this computer as Linux reports it, one
 key of it with ``?key=57``. A terminal is none: it does not tell when a key is let go.
 
-Source of the events' layout: Linux, Documentation/input/input.rst and event-codes.rst.
+Source: Linux, include/uapi/linux/input.h (EVIOCGKEY) and Documentation/input/event-codes.rst.
 """
 
 from __future__ import annotations
 
 import os
-import struct
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -24,23 +23,37 @@ if TYPE_CHECKING:
 
 PATIENCE = 30.0
 """How long a person may take to press it (s)."""
-_EVENT = struct.Struct("@llHHi")
-_KEY_EVENT, _SYNC_EVENT, _DROPPED = 0x01, 0x00, 0x03
-_RELEASED, _PRESSED = 0, 1
+KEY_BYTES = 96
+"""Of a bit for each key that Linux knows (KEY_MAX is 0x2ff)."""
+_GET_KEYS = 2 << 30 | KEY_BYTES << 16 | ord("E") << 8 | 0x18
+"""EVIOCGKEY: which keys are down now."""
 
 Held = Callable[[], bool]
 
 
-class EventKey:
-    """A key of a Linux input device: held from when it is pressed until it is released.
+def keys_down(descriptor: int) -> int:
+    """The keys of an input device that are down now, as a sum of bits.
 
-    A key that is down already when we begin is not held, because a stuck one would be. Lost events
-    and a device that is gone count as released. Asking costs one system call and never waits.
+    Raises:
+        OSError: it is none, or not there any more.
+    """
+    import fcntl
+
+    state = bytearray(KEY_BYTES)
+    fcntl.ioctl(descriptor, _GET_KEYS, state)
+    return int.from_bytes(state, "little")
+
+
+class EventKey:
+    """A key of a Linux input device, whose state is asked each time: one system call, no wait.
+
+    Its state and not its events, because another program may keep those to itself (EVIOCGRAB), and
+    a release among them would never come. A key that is down already when we begin is not held
+    until it was seen open, because a stuck one would be. A device that is gone counts as released.
     """
 
     def __init__(self, path: str, key: int | None = None) -> None:
-        self._key = key
-        self._down: set[int] = set()
+        self._wanted = -1 if key is None else 1 << key
         try:
             self._file = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
         except OSError as error:
@@ -48,38 +61,31 @@ class EventKey:
                 f"the dead-man input {path} cannot be opened ({error.strerror}); 'ls "
                 "/dev/input/by-id' shows what there is, and group 'input' may read it"
             ) from error
+        try:
+            self._stuck = keys_down(self._file)
+        except OSError as error:
+            os.close(self._file)
+            raise InputError(
+                f"the dead-man input {path} is no input device of Linux ({error.strerror}); 'ls "
+                "/dev/input/by-id' shows what there is"
+            ) from error
         self._gone = False
 
     def __call__(self) -> bool:
         """Whether it is held now."""
-        if not self._gone:
-            self._take()
-        return bool(self._down)
-
-    def _take(self) -> None:
+        if self._gone:
+            return False
         try:
-            data = os.read(self._file, 64 * _EVENT.size)
-        except BlockingIOError:
-            return
+            down = keys_down(self._file)
         except OSError:
-            data = b""
-        if not data or len(data) % _EVENT.size:
             self._gone = True
-            self._down.clear()
-            return
-        for _, _, kind, code, value in _EVENT.iter_unpack(data):
-            if kind == _KEY_EVENT and self._key in {None, code}:
-                if value == _PRESSED:
-                    self._down.add(code)
-                elif value == _RELEASED:
-                    self._down.discard(code)
-            elif kind == _SYNC_EVENT and code == _DROPPED:
-                self._down.clear()
+            return False
+        self._stuck &= down
+        return bool(down & self._wanted & ~self._stuck)
 
     def close(self) -> None:
         """Let go of it; it is released from then on."""
         self._gone = True
-        self._down.clear()
         os.close(self._file)
 
 

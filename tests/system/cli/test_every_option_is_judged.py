@@ -22,6 +22,7 @@ Found = tuple[str, click.Command, click.Parameter]
 
 READ = {
     *("device check --file", "device home --file", "device calibrate --file", "keygen FILE"),
+    "device conform --file",
     *("merge RUNS", "record compact RUN", "record digest RUNS", "record export RUN"),
     *("record list RUN", "record summary RUN"),
 }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import errno
 import os
-import struct
 
 import pytest
 from hypothesis import given, settings
@@ -13,20 +13,33 @@ from cosim.base.errors import InputError
 from hil.device.component import observe_rest
 from hil.device.contract import State, WriteOutcome
 from hil.device.errors import ActivationRefused, Cause
-from hil.safety.dead_man import EventKey, open_dead_man
+from hil.safety.dead_man import EventKey, keys_down, open_dead_man
 from hil.safety.permission import dead_man
 from hil.setup.session import Session
 from tests.support.hil.driver_bench import Bench, Rig
 from tests.support.hil.hil_bench import Puppet, mock, rested, run
 
 SPACE, OTHER = 57, 30
-KEY, SYNC, DROPPED = 1, 0, 3
-UP, DOWN, REPEAT = 0, 1, 2
 PUSH = (0.005, 0.0)
 
 
-def event(kind: int, code: int, value: int) -> bytes:
-    return struct.pack("@llHHi", 0, 0, kind, code, value)
+class Keyboard:
+    """What the kernel says is down, whoever grabs the events; ``None`` once it is unplugged."""
+
+    def __init__(self) -> None:
+        self.down: set[int] | None = set()
+
+    def __call__(self, descriptor: int) -> int:
+        if self.down is None:
+            raise OSError(errno.ENODEV, "No such device")
+        return sum(1 << key for key in self.down)
+
+
+@pytest.fixture
+def keyboard(monkeypatch) -> Keyboard:
+    made = Keyboard()
+    monkeypatch.setattr("hil.safety.dead_man.keys_down", made)
+    return made
 
 
 def configured(bench: Bench, name: str) -> Rig:
@@ -34,16 +47,6 @@ def configured(bench: Bench, name: str) -> Rig:
     rig = Rig(bench.device(name, emulator, output=False), emulator)
     rig.device.configure()
     return rig
-
-
-@pytest.fixture
-def pedal(tmp_path):
-    """(path, descriptor to press it with): a pipe that carries what the kernel would."""
-    path = str(tmp_path / "event0")
-    os.mkfifo(path)
-    writer = os.open(path, os.O_RDWR)
-    yield path, writer
-    os.close(writer)
 
 
 def test_a_released_input_is_zero_in_the_same_write_and_latched():
@@ -73,45 +76,58 @@ def test_it_has_to_be_held_to_begin():
 
 @settings(deadline=None, max_examples=60)
 @given(
-    st.lists(
-        st.tuples(
-            st.sampled_from([KEY, SYNC]),
-            st.sampled_from([SPACE, OTHER, DROPPED]),
-            st.sampled_from([UP, DOWN, REPEAT]),
-        )
-    )
+    stuck=st.sets(st.sampled_from([SPACE, OTHER])),
+    states=st.lists(st.sets(st.sampled_from([SPACE, OTHER]))),
+    named=st.booleans(),
 )
-def test_a_key_is_held_between_press_and_release_and_at_no_other_time(events):
-    """Against a plain reading of the list; a stuck key only repeats, so it is never held."""
-    reader, writer = os.pipe()
-    try:
-        key = EventKey(f"/dev/fd/{reader}", SPACE)
-        expected = False
-        for kind, code, value in events:
-            os.write(writer, event(kind, code, value))
-            if (kind, code) == (SYNC, DROPPED):
-                expected = False
-            elif (kind, code) == (KEY, SPACE) and value != REPEAT:
-                expected = value == DOWN
-            assert key() is expected
-        assert key() is expected
+def test_a_key_is_held_while_it_is_down_and_was_seen_open_before(stuck, states, named):
+    keyboard = Keyboard()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hil.safety.dead_man.keys_down", keyboard)
+        keyboard.down = stuck
+        key = EventKey(os.devnull, SPACE if named else None)
+        open_once = {SPACE, OTHER} - stuck
+        for keyboard.down in states:
+            open_once |= {SPACE, OTHER} - keyboard.down
+            wanted = {SPACE} if named else {SPACE, OTHER}
+            assert key() is bool(keyboard.down & wanted & open_once)
         key.close()
         assert not key()
-    finally:
-        os.close(reader)
-        os.close(writer)
 
 
-def test_a_pulled_plug_is_a_release():
-    reader, writer = os.pipe()
-    key = EventKey(f"/dev/fd/{reader}")
-    os.write(writer, event(KEY, OTHER, DOWN))
-    assert key(), "any key of the device, where none is named"
-    os.close(writer)
-    assert not key()
+def test_a_release_is_seen_though_another_program_has_grabbed_the_events(keyboard):
+    """No event comes at all: the state alone is asked."""
+    key = EventKey(os.devnull, SPACE)
+    keyboard.down = {SPACE}
+    assert key()
+    keyboard.down = set()
     assert not key()
     key.close()
-    os.close(reader)
+
+
+def test_a_pulled_plug_is_a_release(keyboard):
+    key = EventKey(os.devnull)
+    keyboard.down = {OTHER}
+    assert key(), "any key of the device, where none is named"
+    keyboard.down = None
+    assert not key()
+    keyboard.down = {OTHER}
+    assert not key(), "it does not come back by itself"
+    key.close()
+
+
+def test_what_is_no_input_device_is_refused(tmp_path):
+    (tmp_path / "event0").write_text("")
+    with pytest.raises(InputError, match="is no input device of Linux"):
+        EventKey(str(tmp_path / "event0"))
+
+
+def test_the_kernel_is_asked_as_its_header_says(monkeypatch):
+    asked = []
+    monkeypatch.setattr("fcntl.ioctl", lambda *arguments: asked.append(arguments))
+    assert keys_down(7) == 0
+    (descriptor, request, state) = asked[0]
+    assert (descriptor, request, len(state)) == (7, 0x80604518, 96)
 
 
 def test_sources_that_cannot_be_used_are_sentences(bench: Bench):
@@ -125,11 +141,12 @@ def test_sources_that_cannot_be_used_are_sentences(bench: Bench):
         open_dead_man("device")(haply)
 
 
-def test_a_pedal_permits_and_releases_a_device_in_lock_step(pedal, bench: Bench):
-    path, press = pedal
+def test_a_pedal_permits_and_releases_a_device_in_lock_step(keyboard, bench: Bench):
     rig = configured(bench, "haply")
-    session = Session(enable_output=True, yes=True, dead_man=open_dead_man(f"evdev:{path}?key=57"))
-    os.write(press, event(KEY, SPACE, DOWN))
+    session = Session(
+        enable_output=True, yes=True, dead_man=open_dead_man(f"evdev:{os.devnull}?key=57")
+    )
+    keyboard.down = {SPACE}
     rig.device.permission = session.permission(rig.device)
     assert rig.device.permission.how == "emulator, proved, dead-man input held"
     rig.device.home()
@@ -137,7 +154,7 @@ def test_a_pedal_permits_and_releases_a_device_in_lock_step(pedal, bench: Bench)
     rig.device.activate()
     rig.exchange(200, PUSH)
     assert rig.truth()["torque"] != [0.0, 0.0]
-    os.write(press, event(KEY, SPACE, UP))
+    keyboard.down = set()
     rig.exchange(2, PUSH)
     assert rig.truth()["torque"] == [0.0, 0.0]
     assert rig.device.fault.cause is Cause.DEAD_MAN
