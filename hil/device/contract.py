@@ -158,3 +158,5 @@ class BusUse:
 
     frames: tuple[int, ...]
     shared: tuple[int, ...] = ()
+    nodes: tuple[int, ...] = ()
+    """Those that it has to itself."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from pathlib import Path
 
 from cosim.base.errors import InputError
 from hil.device.component import DeviceComponent
 from hil.device.contract import BusUse
 from hil.wire.can_load import Load, refuse_overload
-from hil.wire.can_options import can_options
+from hil.wire.can_options import can_options, refuse_other_options
 
 
 @dataclass(slots=True)
@@ -19,6 +20,7 @@ class PlannedBus:
 
     name: str
     bitrate: float
+    budget: float
     rate: Fraction
     users: dict[str, BusUse] = field(default_factory=dict[str, BusUse])
 
@@ -54,9 +56,52 @@ def plan_buses(devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> list[
             PlannedBus(
                 f"{address.transport}://{address.place}",
                 can_options(address).bitrate,
+                can_options(address).budget,
                 rate,
             ),
         )
         bus.rate = max(bus.rate, rate)
         bus.users[name] = use
     return list(buses.values())
+
+
+def refuse_shared_place(name: str, devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> None:
+    """Refuse a device that would share with an earlier one what one device has to itself.
+
+    Raises:
+        InputError: a port, a node, or a bus with another bit rate.
+    """
+    component, _ = devices[name]
+    address = component.address
+    use = component.kind.bus_use(address, component.file)
+    for other, (earlier, _) in devices.items():
+        if other == name:
+            return
+        if (
+            component.kind.in_process
+            or earlier.kind.in_process
+            or place(component) != place(earlier)
+        ):
+            continue
+        before = earlier.kind.bus_use(earlier.address, earlier.file)
+        if use is None or before is None:
+            raise InputError(
+                f"{name} is at {address.place}, where {other} is already: give each a port of its "
+                "own"
+            )
+        common = sorted(set(use.nodes) & set(before.nodes))
+        if common:
+            raise InputError(
+                f"{name} has node {common[0]} on {address.transport}://{address.place}, which "
+                f"{other} has already: give each nodes of its own"
+            )
+        options = can_options(earlier.address)
+        refuse_other_options(options.bitrate, options.budget, address)
+
+
+def place(component: DeviceComponent) -> tuple[str | None, str]:
+    """Where a device is, by one name; a port may have several in the file system."""
+    address = component.address
+    if address.transport is None and address.place.startswith("/"):
+        return None, str(Path(address.place).resolve())
+    return address.transport or component.kind.driver, address.place

@@ -19,7 +19,7 @@ from hil.device.errors import DeviceGone
 from hil.setup.address import DeviceAddress
 from hil.wire.can_errors import trouble
 from hil.wire.can_load import refuse_overload
-from hil.wire.can_options import can_options
+from hil.wire.can_options import can_options, refuse_other_options
 from hil.wire.can_port import CanFrame, CanPort, FrameKind
 from hil.wire.ownership import OwnedNodes
 from hil.wire.python_can import PythonCanPort, raw_bus
@@ -285,9 +285,10 @@ def open_bus(address: DeviceAddress, pulse: Pulse | None = None) -> CanBus:
             f"'{address.url}' does not name a bus: write {address.driver}+INTERFACE://CHANNEL, "
             f"for example {address.driver}+socketcan://can0"
         )
-    key = (address.transport, address.place)
-    if key not in _OPEN:
-        given = can_options(address)
+    key, given = (address.transport, address.place), can_options(address)
+    if key in _OPEN:
+        refuse_other_options(_OPEN[key].bitrate, _OPEN[key].budget, address)
+    else:
         _OPEN[key] = CanBus(
             name=f"{address.transport}://{address.place}",
             port=_port(address),

@@ -33,6 +33,25 @@ class CanOptions(UrlOptions):
     ] = Field(default=2.0, description="slcan: pause after opening (s).")
 
 
+def refuse_other_options(bitrate: float, budget: float, address: DeviceAddress) -> None:
+    """Refuse a device whose URL wants another bus than the one that it would share.
+
+    Raises:
+        InputError: its bit rate or budget differs.
+    """
+    given = can_options(address)
+    for name, shared, own in (
+        ("bitrate", bitrate, given.bitrate),
+        ("budget", budget, given.budget),
+    ):
+        if own != shared:
+            raise InputError(
+                f"{address.url} has '{name}' {own:g}, another device on "
+                f"{address.transport}://{address.place} has {shared:g}: a bus has one; write the "
+                "same in both URLs"
+            )
+
+
 def can_options(address: DeviceAddress) -> CanOptions:
     """The bus's options in a device's URL.
 

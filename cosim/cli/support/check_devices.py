@@ -52,6 +52,7 @@ class DeviceJudge:
         }
         judge_geometry(simulation.assembly, lengths, problems)
         self._refuse_unpaced(devices, problems)
+        _refuse_shared_places(devices, problems)
         self.facts["buses"] = _buses(devices, problems)
         problems.raise_if_any()
         latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
@@ -74,6 +75,14 @@ class DeviceJudge:
                     raise InputError(
                         f"{name} is a real device ({component.address.url}): run it with --realtime"
                     )
+
+
+def _refuse_shared_places(devices: Devices, problems: Problems) -> None:
+    from hil.wire.bus_plan import refuse_shared_place
+
+    for name in devices:
+        with problems.at(("components", name, "device")):
+            refuse_shared_place(name, devices)
 
 
 def _lives_in_real_time(component: DeviceComponent) -> bool:

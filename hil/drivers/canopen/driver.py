@@ -73,7 +73,8 @@ class CanopenDriver(Driver):
     @classmethod
     def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
         """A PDO of positions or values for each node, and the bus's one SYNC."""
-        return BusUse(layout_of(address, file).frames, shared=SYNC_FRAME)
+        layout = layout_of(address, file)
+        return BusUse(layout.frames, shared=SYNC_FRAME, nodes=layout.nodes)
 
     @property
     def knows_its_pose(self) -> bool:

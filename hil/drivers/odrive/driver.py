@@ -103,8 +103,8 @@ class OdriveDriver(Driver):
     @classmethod
     def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
         """Both axes' estimates and torques."""
-        del address, file
-        return BusUse(FRAMES)
+        del file
+        return BusUse(FRAMES, nodes=read_options(OdriveOptions, address).nodes)
 
     @property
     def watchdog(self) -> Watchdog:
