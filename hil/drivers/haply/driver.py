@@ -41,6 +41,8 @@ OUTSTANDING_TICKS = 3
 """Ticks without an answer after which the board is taken to be out of step."""
 IDLE_TICKS = 8
 """The same where zero was asked for: nothing pushes, so a hiccup of the host may pass."""
+RECOVERY_TICKS = 2
+"""The same after a set-up in recovery: then the other parity is tried."""
 ANSWER_SECONDS = 0.020
 
 
@@ -127,6 +129,8 @@ class HaplyDriver(Driver):
         self._outstanding, self._zero_asked, self._sequence = 0, False, 0
         self._reply = b""
         self._recovering: int | None = None
+        self._tries, self._in_step = 0, False
+        """Set-ups in recovery that no answer has followed yet; whether one has followed since."""
 
     def _exchange_zero(self) -> None:
         """The first answer, waited for."""
@@ -147,7 +151,9 @@ class HaplyDriver(Driver):
         if self._outstanding and len(self._reply) < REPLY_BYTES:
             self._outstanding += 1
             longest = IDLE_TICKS if self._zero_asked else OUTSTANDING_TICKS
-            if self._outstanding > longest:
+            if self._tries and self._outstanding > RECOVERY_TICKS:
+                self._try_again()
+            elif self._outstanding > longest:
                 raise self._out_of_step(f"no whole answer for {longest} ticks")
             return NOTHING
         if not self._reply:
@@ -158,8 +164,11 @@ class HaplyDriver(Driver):
             found = angles(self._number, self._axes, self._reply)
         except ProtocolError as error:
             raise self._odd_answer(str(error)) from None
+        if self._tries and not self._in_step:
+            self._set_up_once_more()
+            return NOTHING
         self._reply = b""
-        self._outstanding = 0
+        self._outstanding = self._tries = 0
         self._sequence += 1
         first, second = (
             round(angle / 360.0 * axis.counts_per_turn)
@@ -184,12 +193,32 @@ class HaplyDriver(Driver):
         """
         fault = self._out_of_step(what)
         self._set_up(ZERO)
+        self._tries = 1
         return fault
 
     def _align(self) -> None:
         """An answer while aligning means that the board has just finished a frame."""
         if len(self._reply) >= REPLY_BYTES or self._recovering == IO_BYTES:
             self._set_up(ZERO)
+            self._tries = 1
+
+    def _set_up_once_more(self) -> None:
+        """A set-up that was misread may leave a board with one motor that answers all the same.
+
+        Having answered, it has finished a frame: it reads this one as it is meant.
+        """
+        self._set_up(ZERO)
+        self._tries, self._in_step = 1, True
+
+    def _try_again(self) -> None:
+        """A board that took the last zero byte for the first one of a reset: one byte more.
+
+        The next time two, and so on, because what is misread may shift the parity itself.
+        """
+        tries = self._tries + 1
+        self._opened().write(bytes(self._tries))
+        self._set_up(ZERO)
+        self._tries = tries
 
     def send(self, torque: Pair) -> Pair | None:
         if self._outstanding or self._recovering is not None:

@@ -10,7 +10,9 @@ from tests.support.hil.motors.told import Told
 class Haply:
     """Any motors and encoders that a setup names; each stands where the setup presets it."""
 
-    def __init__(self) -> None:
+    def __init__(self, unknown: int = 1) -> None:
+        """``unknown``: bytes that are dropped where a frame begins with none of the types."""
+        self.unknown = unknown
         self.pending = b""
         self.motors = 0
         self.presets: list[float] = []
@@ -25,7 +27,7 @@ class Haply:
             elif kind == 2:
                 size = 2 + 4 * self.motors
             elif kind != 0:
-                size = 1
+                size = self.unknown
             if size is None or len(self.pending) < size:
                 break
             frame, self.pending = self.pending[:size], self.pending[size:]
@@ -57,5 +59,5 @@ class Haply:
     def set_up(self, frame: bytes) -> None:
         self.motors = frame[2].bit_count()
         encoders = frame[3 + self.motors].bit_count()
-        values = struct.unpack(f"<{2 * encoders}f", frame[-8 * encoders :])
+        values = struct.unpack(f"<{2 * encoders}f", frame[len(frame) - 8 * encoders :])
         self.presets = list(values[::2])
