@@ -79,7 +79,8 @@ class ControlLoop:
             report.error = (error.exit_status, str(error))
             self._tell(report)
             return error.exit_status
-        told = StatusWriter(feed.status, devices(), self._pacer.deadlines)
+        present = devices()
+        told = StatusWriter(feed.status, present, self._pacer.deadlines)
         watched = _Watched(self, told)
         status = 0
         try:
@@ -97,6 +98,7 @@ class ControlLoop:
             self._pulse.state(FINISHED)
             told.write(watched.tick)
         report.deadlines = {**self._pacer.summary(), **watched.usage.summary()}
+        report.slow = [said for device in present if (said := device.slowness) is not None]
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
         self._simulation.close()  # an FMU that dies of it finds everything told

@@ -29,6 +29,8 @@ class LoopReport:
     """What a Python component gave to ``sys.exit``, where one did."""
     deadlines: dict[str, Any] = field(default_factory=dict[str, Any])
     grants: list[Grant] = field(default_factory=list[Grant])
+    slow: list[str] = field(default_factory=list[str])
+    """What has to be said of boards that took no command at many ticks."""
     facts: Mapping[str, Any] | None = None
 
 

@@ -96,7 +96,12 @@ class PacedRun:
         if self.report is None:
             return {}
         grants = {grant.name: grant.sentence for grant in self.report.grants}
-        return {**self.report.deadlines, "system": grants, "lost_rows": self.lost_rows}
+        return {
+            **self.report.deadlines,
+            "system": grants,
+            "lost_rows": self.lost_rows,
+            "slow_devices": self.report.slow,
+        }
 
     def found(self) -> Mapping[str, Any]:
         """What ``facts`` said in the loop's process."""
@@ -149,6 +154,8 @@ class PacedRun:
         error = report.error if report is not None else None
         sentences = [error[1]] if error is not None else self._ended(simulation, killed)
         unsure = run.unsure()
+        for sentence in report.slow if report is not None else ():
+            self.say(sentence)
         if self.lost_rows:
             self.say(f"the recorder was too slow for {self.lost_rows} rows: they are held values")
         if not sentences and not unsure:

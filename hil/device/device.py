@@ -15,17 +15,17 @@ from typing import Any, Self, final
 
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
-from cosim.base.system.sleep import SleepWatch
 from cosim.base.system.supervised import DeviceCells
 from hil.device.alarm import Alarm
+from hil.device.conditions import Conditions
 from hil.device.contract import ZERO, Flag, Measurement, Sent, State, Status, Watchdog, WriteOutcome
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, Cause, DeviceError, DeviceFault, LifecycleError
+from hil.device.exchange import FIRST_SAMPLE_TRIES, Exchange
 from hil.device.fault_latch import SETTLE_TICKS, FaultLatch
 from hil.device.judge import Judge
 from hil.device.sample_clock import SampleClock
 from hil.safety.layer import SafetyLayer, Trip
-from hil.safety.limits import LATE_SECONDS
 from hil.safety.linkage import Pair
 from hil.safety.permission import Permission
 from hil.safety.safeguards import check_safeguards
@@ -35,8 +35,6 @@ from hil.setup.device_file import DeviceFile
 LONGEST_NATIVE_PERIOD = 2
 """A device that shows new samples less often than every so many ticks is refused."""
 STATES, CAUSES = tuple(State), tuple(Cause)
-FIRST_SAMPLE_TRIES = 50
-"""Exchanges within which a device has to answer for the first time."""
 
 
 @final
@@ -80,22 +78,14 @@ class Device:
         )
         self.state = State.UNCONFIGURED
         self.homed = False
-        self.input_held = False
-        """Whether the switch on the board was closed in its newest answer."""
-        self.sent: Pair = ZERO
-        """The torque that was last put on the wire (N.m)."""
         self.sent_flags = Flag.NONE
         self._latch = FaultLatch()
         self._alarm = alarm or Alarm()
+        self._around = Conditions(self.driver.pulse, clock, self._alarm, self.tick)
         self._judge = Judge()
         self._samples = SampleClock(file, oldest=self.safety.ticks.drop)
-        self._clock = clock
-        self._sleep = SleepWatch()
+        self._exchange = Exchange(self.driver, self._samples)
         self._reads = 0
-        self._zeros = 0
-        """Answers so far that confirmed zero."""
-        self._written: float | None = None
-        """Host time (s) of the last write while ACTIVE."""
 
     # --- every tick ------------------------------------------------------------------------------
 
@@ -120,7 +110,7 @@ class Device:
             sample_age=samples.age,
             status=self.status,
             device_time=samples.device_time,
-            host_time=self._clock() if self._clock else tick * self.tick,
+            host_time=self._around.clock() if self._around.clock else tick * self.tick,
         )
 
     def write(self, tick: int, command: Pair) -> Sent:
@@ -136,7 +126,7 @@ class Device:
 
     def _write_active(self, tick: int, command: Pair) -> tuple[Pair, Flag]:
         """What the safety layer left of the command; where that ends in FAULT, nothing was sent."""
-        trip = self._reason_to_stop()
+        trip = self._around.reason_to_stop(self.permission)
         if trip is not None:
             self._trip(trip)
             return ZERO, Flag.NONE
@@ -147,21 +137,11 @@ class Device:
         allowed = decision.torque if self.permission is not None else ZERO
         flags = decision.flags if self.permission is not None else decision.flags | Flag.DRY
         try:
-            if not self._send(allowed):
+            if not self._exchange.send(allowed):
                 flags |= Flag.NOT_SENT
         except Exception as error:  # whatever fails here must end in zero and FAULT
             self._trip_on(error)
         return decision.torque, flags
-
-    def _send(self, torque: Pair) -> bool:
-        """Whether it went out; what did not leaves the wire's last torque as it was."""
-        pulse = self.driver.pulse
-        if pulse is not None and torque != ZERO:
-            pulse.heat(self.driver.number)
-        sent = self.driver.send(torque)
-        if sent is not None:
-            self.sent = sent
-        return sent is not None
 
     def _write_zero(self) -> Flag:
         sent = self._send_zero()
@@ -172,60 +152,25 @@ class Device:
     def _send_zero(self) -> bool:
         """Whether a zero went out, or is known to be there; never raises."""
         try:
-            sent = self.driver.send_zero()
+            return self._exchange.send_zero()
         except Exception as error:
             self._trip_on(error)
             return False
-        if sent:
-            self.sent = ZERO
-        return sent
 
     def _take(self) -> bool:
         """Receive, and judge what came; whether there was a new valid sample."""
         try:
-            received = self.driver.receive()
+            received = self._exchange.receive()
         except Exception as error:
             self._trip_on(error)
             return False
-        if received.input_held is not None:
-            self.input_held = received.input_held
         if self.state is not State.FAULT:
             trip = self._judge.verdict(received, self.state)
             if trip is not None:
                 self._trip(trip)
         if received.zero_confirmed:
-            self._zeros += 1
-            self.sent = ZERO
             self._latch.confirm()
-            if self.driver.pulse is not None:
-                self.driver.pulse.cool(self.driver.number)
-        if received.sample is None:
-            return False
-        self._samples.take(received.sample, received.device_time)
-        return True
-
-    def _reason_to_stop(self) -> Trip | None:
-        """Why this tick's command must not be followed, whatever it is."""
-        pulse = self.driver.pulse
-        if pulse is not None and not pulse.supervisor_alive():
-            return Trip(Cause.SUPERVISOR, "the supervisor process died")
-        if self._clock is not None:
-            if pulse is not None and pulse.supervisor_silent():
-                return Trip(Cause.SUPERVISOR, "the supervisor process stands still")
-            slept = self._sleep.slept()
-            if slept:
-                return Trip(Cause.SLEPT, f"this machine was asleep for {slept:.1f} s")
-            now = self._clock()
-            late = 0.0 if self._written is None else now - self._written - self.tick
-            self._written = now
-            if late > LATE_SECONDS:
-                return Trip(Cause.LATE, f"the control loop came {late * 1e3:.1f} ms late")
-        if self._alarm.raised_by is not None:
-            return Trip(Cause.SIBLING, f"{self._alarm.raised_by} is in FAULT")
-        held = None if self.permission is None else self.permission.is_held
-        if held is not None and not held():
-            return Trip(Cause.DEAD_MAN, "the dead-man input was released")
-        return None
+        return received.sample is not None
 
     # --- life cycle ------------------------------------------------------------------------------
 
@@ -250,7 +195,7 @@ class Device:
             )
         try:
             driver.open()
-            self._check_serial()
+            self._exchange.check_serial()
         except BaseException:
             driver.close()
             raise
@@ -296,7 +241,7 @@ class Device:
             check_safeguards(self)
         self.safety.start()
         self._judge.start()
-        self._written = None
+        self._around.start()
         self.driver.enter()
         self.state = State.ACTIVE
 
@@ -356,6 +301,21 @@ class Device:
         self.state, self.homed = State.UNCONFIGURED, False
 
     # --- what others ask -------------------------------------------------------------------------
+
+    @property
+    def sent(self) -> Pair:
+        """The torque that was last put on the wire (N.m)."""
+        return self._exchange.sent
+
+    @property
+    def input_held(self) -> bool:
+        """Whether the switch on the board was closed in its newest answer."""
+        return self._exchange.input_held
+
+    @property
+    def slowness(self) -> str | None:
+        """What has to be said of a board that is late as a rule, ``None`` of one in time."""
+        return self._exchange.punctuality.sentence(self.name)
 
     @property
     def rest_ticks(self) -> int:
@@ -472,12 +432,12 @@ class Device:
     # --- inside ----------------------------------------------------------------------------------
 
     def _zero_until_confirmed(self, ticks: int) -> bool:
-        before = self._zeros
+        before = self._exchange.zeros
         for _ in range(ticks):
             self._send_zero()
             self.driver.pause()
             self._take()
-            if self._zeros > before:
+            if self._exchange.zeros > before:
                 return True
         return False
 
@@ -492,14 +452,6 @@ class Device:
         raise DeviceError(
             self.fault_sentence() if self.fault is not None else f"{self.name} does not answer"
         )
-
-    def _check_serial(self) -> None:
-        expected, found = self.file.serial, self.driver.serial()
-        if expected is not None and found is not None and expected != found:
-            raise DeviceError(
-                f"{self.name} has serial number {found}, its device file is for {expected}: "
-                "plug in the right one or calibrate this one"
-            )
 
     def _expect(self, call: str, *states: State) -> None:
         if self.state not in states:

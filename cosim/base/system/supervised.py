@@ -59,6 +59,11 @@ class Supervised(Protocol):
         """Whether its board has a watchdog that was seen to fire."""
         ...
 
+    @property
+    def slowness(self) -> str | None:
+        """What has to be said of a board that takes no command at many ticks."""
+        ...
+
     def cells(self) -> DeviceCells:
         """How it stands."""
         ...

@@ -15,36 +15,10 @@ from hil.drivers.haply.driver import HaplyDriver
 from hil.drivers.haply.protocol import HaplyAxis, reset, setup, torques
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
+from tests.support.hil.haply_line import Line
 from tests.support.hil.motors.haply import Haply
 
 PUSH = (0.05, -0.03)
-
-
-class Line:
-    """The port of a driver, with motors at its other end."""
-
-    def __init__(self, motors: Haply) -> None:
-        self.motors, self.told = motors, (0.0, 0.0)
-        self._answers = b""
-
-    def write(self, frame: bytes) -> None:
-        for each in self.motors.feed(frame):
-            if each.torques:
-                self.told = each.torques
-            self._answers += each.answer
-
-    def read(self, most: int = 4096) -> bytes:
-        del most
-        found, self._answers = self._answers, b""
-        return found
-
-    def wait(self, count: int, seconds: float) -> bytes:
-        del seconds
-        return self.read(count)
-
-    def exchange_done(self) -> None: ...
-
-    def close(self) -> None: ...
 
 
 def pushing(monkeypatch, number: int, unknown: int) -> tuple[HaplyDriver, Line]:

@@ -52,7 +52,7 @@ def test_a_sleep_is_answered_with_zero_and_fault():
     run(device, 20, (0.001, 0.0))
     assert device.state is State.ACTIVE
     clocks = Clocks([], 0.0)
-    device._sleep = SleepWatch(clocks.going, clocks.all_along)
+    device._around.sleep = SleepWatch(clocks.going, clocks.all_along)
     run(device, 2, (0.001, 0.0))
     clocks.asleep = 8.0
     ((_, sent),) = run(device, 1, (0.001, 0.0))

@@ -1,0 +1,76 @@
+"""The exchange with one board: what was last put on the wire, and what its answers say."""
+
+from __future__ import annotations
+
+from hil.device.contract import ZERO, Received
+from hil.device.driver import Driver
+from hil.device.errors import DeviceError
+from hil.device.punctuality import Punctuality
+from hil.device.sample_clock import SampleClock
+from hil.safety.linkage import Pair
+
+FIRST_SAMPLE_TRIES = 50
+"""Exchanges within which a device has to answer for the first time."""
+
+
+class Exchange:
+    """A driver, the clock of its samples, and the torque on its wire.
+
+    It raises what the driver raises; who calls it judges that.
+    """
+
+    def __init__(self, driver: Driver, samples: SampleClock) -> None:
+        self.driver, self.samples = driver, samples
+        self.sent: Pair = ZERO
+        """The torque that was last put on the wire (N.m); zero once an answer confirms zero."""
+        self.input_held = False
+        """Whether the switch on the board was closed in its newest answer."""
+        self.zeros = 0
+        """Answers so far that confirmed zero."""
+        self.punctuality = Punctuality(driver.tick)
+
+    def send(self, torque: Pair) -> bool:
+        """Whether it went out; what did not leaves the wire's last torque as it was."""
+        pulse = self.driver.pulse
+        if pulse is not None and torque != ZERO:
+            pulse.heat(self.driver.number)
+        sent = self.driver.send(torque)
+        self.punctuality.count(sent=sent is not None)
+        if sent is not None:
+            self.sent = sent
+        return sent is not None
+
+    def send_zero(self) -> bool:
+        """Whether a zero went out, or is known to be there."""
+        sent = self.driver.send_zero()
+        if sent:
+            self.sent = ZERO
+        return sent
+
+    def receive(self) -> Received:
+        """What came; a confirmed zero is noted, for the supervisor as well."""
+        received = self.driver.receive()
+        if received.input_held is not None:
+            self.input_held = received.input_held
+        if received.zero_confirmed:
+            self.zeros += 1
+            self.sent = ZERO
+            if self.driver.pulse is not None:
+                self.driver.pulse.cool(self.driver.number)
+        if received.sample is not None:
+            self.samples.take(received.sample, received.device_time)
+        return received
+
+    def check_serial(self) -> None:
+        """Refuse another device than the one that the device file describes.
+
+        Raises:
+            DeviceError: it is another one.
+        """
+        driver = self.driver
+        expected, found = driver.file.serial, driver.serial()
+        if expected is not None and found is not None and expected != found:
+            raise DeviceError(
+                f"{driver.name} has serial number {found}, its device file is for {expected}: "
+                "plug in the right one or calibrate this one"
+            )
