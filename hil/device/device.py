@@ -17,11 +17,11 @@ from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
 from cosim.base.system.supervised import DeviceCells
 from hil.device.alarm import Alarm
+from hil.device.board_exchange import FIRST_SAMPLE_TRIES, BoardExchange
 from hil.device.conditions import Conditions
 from hil.device.contract import ZERO, Flag, Measurement, Sent, State, Status, Watchdog, WriteOutcome
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, Cause, DeviceError, DeviceFault, LifecycleError
-from hil.device.exchange import FIRST_SAMPLE_TRIES, Exchange
 from hil.device.fault_latch import SETTLE_TICKS, FaultLatch
 from hil.device.judge import Judge
 from hil.device.sample_clock import SampleClock
@@ -84,7 +84,7 @@ class Device:
         self._around = Conditions(self.driver.pulse, clock, self._alarm, self.tick)
         self._judge = Judge()
         self._samples = SampleClock(file, oldest=self.safety.ticks.drop)
-        self._exchange = Exchange(self.driver, self._samples)
+        self._exchange = BoardExchange(self.driver, self._samples)
         self._reads = 0
 
     # --- every tick ------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ FIRST_SAMPLE_TRIES = 50
 """Exchanges within which a device has to answer for the first time."""
 
 
-class Exchange:
+class BoardExchange:
     """A driver, the clock of its samples, and the torque on its wire.
 
     It raises what the driver raises; who calls it judges that.
