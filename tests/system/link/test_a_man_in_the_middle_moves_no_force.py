@@ -3,6 +3,8 @@ and once he lets go everybody is back in the time that is stated."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from tests.support.link.attacker import CALM, Attacker
@@ -32,6 +34,45 @@ def survive(seed: int, names: list[str]) -> World:
     assert world.weights() == [1.0] * (len(names) * (len(names) - 1))
     check_records(world)
     return world
+
+
+class Asked:
+    """In place of a world: notes when an attacker kills whom."""
+
+    def __init__(self) -> None:
+        self.stations: dict[str, object] = {}
+        self.wire = SimpleNamespace(now=0, put=lambda *_: None)
+        self.kills: list[tuple[int, str]] = []
+
+    def start(self, name: str) -> None:
+        """Nobody is there."""
+
+    def kill(self, name: str) -> None:
+        self.kills.append((self.wire.now, name))
+
+
+def test_the_twenty_of_the_real_sockets_hold_what_is_hardest() -> None:
+    found: set[str] = set()
+    for seed in range(20):
+        attacker, world = Attacker(seed, ["station_a", "station_b"]), Asked()
+        for at, act in sorted(attacker.events(world), key=lambda event: event[0]):
+            world.wire.now = at
+            act()
+        found |= {"a confirmation is withheld"} if attacker.withholds else set()
+        if any(span.end - span.begin > 280 * MILLISECOND for span in attacker.bursts):
+            found.add("300 ms are released at once")
+        # The station whose name sorts first answers.
+        if any(
+            span.begin <= at < span.end and name == "station_a"
+            for span in attacker.replays
+            for at, name in world.kills
+        ):
+            found.add("greetings are replayed against a restarted answerer")
+        if any(span.source is None for span in attacker.blackholes):
+            found.add("both ways are silent")
+        if any(span.source is not None for span in attacker.blackholes):
+            found.add("one way is silent")
+    assert len(found) == 5, found
 
 
 SEEDS = [*range(12), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(12, 700))]
