@@ -17,7 +17,7 @@ def build_knobs(context: Context, channels: Mapping[str, Channel]) -> tuple[Knob
     knobs: list[KnobRange] = []
     for target, form in context.document.knobs.items():
         path = ("knobs", target)
-        minimum, maximum = (None, None) if form is None else (form.minimum, form.maximum)
+        minimum, maximum = form.minimum, form.maximum
         component, _, rest = target.partition(".")
         if not _is_known(context, path, component):
             continue

@@ -211,7 +211,7 @@ class Document(Form):
     connections: list[ConnectionEntry] = Field(
         default_factory=list[ConnectionEntry], description="Outputs to inputs."
     )
-    knobs: dict[SignalName, KnobForm | None] = Field(
+    knobs: dict[SignalName, KnobForm] = Field(
         default_factory=dict, description="What may be turned while it runs, and how far."
     )
     events: list[EventForm] = Field(

@@ -24,7 +24,7 @@ LOSSY = (
 TURNED = (
     'channels.lan.jitter="3 ticks"',
     "channels.lan.loss={good_to_bad: 0.1, bad_to_good: 0.3}",
-    "knobs={vr_b.compensation.x: ~}",
+    "knobs={vr_b.compensation.x: {}}",
     (
         "events=[{at: 500 ticks, set: {lan.round_trip_delay: 4, vr_a.coupling_stiffness: 40}},"
         " {at: 901 ticks, set: {lan.jitter: 0, vr_a.compensation.x: -2, vr_b.coupling_damping: 6}},"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 from cosim.base.errors import InputError
@@ -44,6 +46,18 @@ def test_each_half_keeps_its_own_components_and_connections(box) -> None:
         inner = [c for c in half.scenario.connections if f"link_{other}" not in str(c)]
         assert len(inner) == 10
         assert half.scenario.channels == {}
+
+
+def test_a_half_turns_its_own_components_and_no_channel() -> None:
+    event = {"vr_a.compensation.x": -1, "vr_b.compensation.x": -2}
+    events = f"events=[{{at: 1 s, set: {json.dumps(event)}}}]"
+    both = put_together(load("two_users_box", sets=[events]))
+    for own, value in (("a", -1), ("b", -2)):
+        turned = split(both, f"station_{own}").scenario.events
+        assert [(str(e.target), e.value) for e in turned] == [(f"vr_{own}.compensation.x", value)]
+    for sets in ("events=[{at: 1, set: {lan.loss: 1 %}}]", "knobs={lan.delay: {maximum: 3}}"):
+        with pytest.raises(InputError, match=r"turns lan.backward.* is a real link"):
+            split(put_together(load("two_users_box", sets=[sets])), "station_a")
 
 
 def test_what_one_sends_the_other_receives_in_the_same_order(box, centralized) -> None:

@@ -123,7 +123,7 @@ def test_a_connection(line: str, sentence: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("knob", "sentence"),
     [
-        ("lan.delay: ~", "lan.forward.delay needs a 'maximum'"),
+        ("lan.delay: {}", "lan.forward.delay needs a 'maximum'"),
         ("lan.delay: {maximum: 0}", "lan.forward.delay cannot be 0.0078125 s: it goes from 0 s"),
         ("lan.delay: {maximum: 2 m}", "lan.delay"),
         ("coupler.stiffness: {minimum: 5, maximum: 1}", "the minimum, 5, is more than the maximum"),
@@ -132,8 +132,9 @@ def test_a_connection(line: str, sentence: str, tmp_path: Path) -> None:
             "cannot be 1000 N/m: it goes from 5000 N/m",
         ),
         ("coupler.stiffness: {minimum: -5}", "the least that it can be is 0 N/m"),
-        ("coupler.stifness: ~", "Did you mean stiffness"),
-        ("couplr.stiffness: ~", "no component or channel 'couplr'"),
+        ("coupler.stifness: {}", "Did you mean stiffness"),
+        ("couplr.stiffness: {}", "no component or channel 'couplr'"),
+        ("coupler.stiffness: ~", "it has no value"),
         ("coupler.stiffness: {most: 1}", "unknown key 'most'"),
     ],
 )

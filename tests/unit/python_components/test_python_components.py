@@ -85,3 +85,29 @@ def test_a_paced_run_gives_the_same_numbers(tmp_path: Path) -> None:
     np.testing.assert_array_equal(
         sink.signal("hand_1.position"), expected.signal("hand_1.position")
     )
+
+
+def test_a_paced_run_is_turned_by_events_and_by_hand_at_the_same_ticks(tmp_path: Path) -> None:
+    """By hand from within a tick, as another thread would: it acts from the next one on."""
+    turned = {
+        "knobs": {"lan.delay": {"maximum": 4}, "coupler_11.damping": {}},
+        "events": [{"at": "40 ticks", "set": {"lan.forward.delay": 0, "coupler_11.stiffness": 9}}],
+    }
+    gains = GAINS["distributed"]["soft"]
+    scenario = single_axis(tmp_path, "distributed", gains, {"loss": 0.1}, more=turned)
+    fake, sink = FakeTime(), MemorySink()
+    simulation = assemble(scenario)
+
+    def sleep(until: int) -> None:
+        fake.sleep(until)
+        if simulation.program.kernel.tick == 60:
+            simulation.set({"lan.backward.delay": 3, "coupler_11.damping": 0.5})
+
+    pacer = DeadlinePacer(tick_seconds=Fraction(1, 1024), clock=fake, sleep=sleep)
+    simulation.run(sink, until=100, drive=paced(pacer))
+    assert [turn.tick for turn in simulation.program.turning.by_hand] == [60, 60]
+    again, _ = run(simulation.replay(), until=100)
+    plain, _ = run(scenario, until=100)
+    for name in ("hand_1.position", "hand_2.position", "lan.backward.age", "lan.backward.delay"):
+        np.testing.assert_array_equal(sink.signal(name), again.signal(name))
+    assert (again.signal("lan.backward.age") != plain.signal("lan.backward.age")).any()

@@ -152,6 +152,20 @@ def test_what_is_removed_takes_its_connections_along(small: str, scenario_of: Lo
     )
 
 
+def test_what_is_removed_takes_what_turns_it_along(small: str, scenario_of: Load) -> None:
+    turned = (
+        "knobs: {third.mass: {}, lan.delay: {maximum: 4}}\n"
+        "events:\n  - {at: 1, set: {third.mass: 1, lan.loss: 0.1}}\n"
+        "  - {at: 1.5, set: {lan.loss: 0}}\n"
+    )
+    rest = scenario_of(small, turned, "components: {third: ~}")
+    assert [str(knob.target) for knob in rest.knobs] == ["lan.forward.delay", "lan.backward.delay"]
+    assert {str(event.target) for event in rest.events} == {"lan.forward.loss", "lan.backward.loss"}
+    lan = scenario_of(small, turned, "channels: {lan: ~}")
+    assert [str(knob.target) for knob in lan.knobs] == ["third.mass"]
+    assert [(event.tick, str(event.target)) for event in lan.events] == [(1024, "third.mass")]
+
+
 def test_connections_are_added_replaced_and_removed(small: str, scenario_of: Load) -> None:
     overlay = """
 connections:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.component import Variable
+from cosim.master.components.interface import is_tunable
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.reading import read_description
 
@@ -57,6 +58,7 @@ def _variable(variable: Variable, description: FmuDescription) -> dict[str, Any]
         "name": variable.name,
         "type": variable.type.value,
         "causality": variable.causality.value,
+        "tunable": is_tunable(variable),
         "unit": variable.unit,
         "shape": list(variable.shape),
         "start": variable.start,
@@ -103,6 +105,8 @@ def _facts(variable: dict[str, Any]) -> str:
         facts.append(variable["unit"])
     if variable["start"] is not None:
         facts.append(f"start {variable['start']}")
+    if variable["tunable"]:
+        facts.append("tunable")
     if variable["minimum"] is not None:
         facts.append(f"at least {variable['minimum']:g}")
     if variable["maximum"] is not None:

@@ -110,6 +110,8 @@ int main(void)
                                                        false, NULL, 0, NULL, quiet, NULL);
         if (life % 3)
             disturb(fmu, ACCESS_PARAMETER, life % 3 == 1 ? 1e-3 : 10.0);
+        if (life % 3)
+            disturb(fmu, ACCESS_TUNABLE, life % 3 == 1 ? 1e-3 : 10.0);
         fmi3EnterInitializationMode(fmu, false, 0, 0.25, false, 0);
         read_all(fmu);
         fmi3ExitInitializationMode(fmu);
@@ -117,6 +119,8 @@ int main(void)
         for (int tick = 0; tick < 60; ++tick) {
             disturb(fmu, ACCESS_INPUT, tick % 20 == 7 ? 1e6 : 0.05);
             read_all(fmu);
+            if (tick % 8 == 5)
+                disturb(fmu, ACCESS_TUNABLE, 1.0);
             if (tick % 16 == 3)
                 save_and_restore(fmu);
             bool flags[3];
