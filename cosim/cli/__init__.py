@@ -25,6 +25,7 @@ COMMANDS = {
     "plot": "Draw signals of runs: over time, difference, spectrum, phase plane, histogram.",
     "play": "Take a user's place by hand, in a browser.",
     "record": "Look into a run folder: digest, summary, export.",
+    "render": "Draw the scene of a run as a gif, webp or mp4.",
     "run": "Run a scenario and record it.",
     "ssp": "Read systems of SSP and OSP, and write scenarios as SSP.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",

@@ -115,7 +115,7 @@ def validate_command(*, file: str, as_json: bool) -> None:
 
 
 @command.command("new", cls=JsonCommand)
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=OutputFolder())
 def new_command(*, folder: Path) -> None:
     """Write a model that works into FOLDER, to be changed and built."""
     from cosim.cli.support.fmu.new_model import write_new

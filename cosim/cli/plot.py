@@ -32,7 +32,7 @@ KINDS = ("time", "difference", "spectrum", "phase", "histogram")
     help="Over time; first run or signal less the others; density; second over first; shares.",
 )
 @click.option(
-    "--from", "start", type=Quantity("s"), default="0 s", help="Begin here.  [default: 0 s]"
+    "--from", "start", type=Quantity("s"), default="0", help="Begin here.  [default: 0 s]"
 )
 @click.option("--until", type=Quantity("s"), help="End here.  [default: the run's end]")
 @click.option(

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from cosim.record.reader import Run
+from cosim.record.scene import SCENE_FILE
 from cosim.record.statistics import ColumnSummary
 from cosim.report.summary import facts
 
 FIGURE_FILE = "overview.png"
 REPORT_FILE = "report.html"
-SCENE_FILE = "scene.json"
 
 Write = Callable[[Path], None]
 
@@ -58,14 +58,6 @@ class Drawings:
 def has_things(scene: Mapping[str, Any]) -> bool:
     """Whether there is anything in a scene that moves."""
     return any(scene.get(kind) for kind in ("boxes", "fingers", "bodies"))
-
-
-def read_scene(folder: Path) -> dict[str, Any] | None:
-    """The scene that a run left in its folder, if it did."""
-    try:
-        return json.loads((folder / SCENE_FILE).read_text(encoding="utf-8"))
-    except (OSError, json.JSONDecodeError):
-        return None
 
 
 def _write_text(path: Path, text: str) -> None:

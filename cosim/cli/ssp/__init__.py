@@ -8,6 +8,7 @@ import click
 
 from cosim.base.errors import InputError, RunError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.values import OutputFile
 
 
 @click.group("ssp")
@@ -17,9 +18,7 @@ def command() -> None:
 
 @command.command("import", cls=JsonCommand)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="The scenario; a new file."
-)
+@click.option("--out", type=OutputFile(), required=True, help="The scenario; a new file.")
 @click.option("--stop-time", metavar="TIME", help="How long to run, where the system does not say.")
 def import_command(*, file: Path, out: Path, stop_time: str | None) -> None:
     """Write the scenario that FILE describes: an .ssp, an .ssd, or an OspSystemStructure.xml.
@@ -45,9 +44,7 @@ def import_command(*, file: Path, out: Path, stop_time: str | None) -> None:
 @click.argument("scenario")
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="As of cohaptic run.")
 @click.option("--set", "sets", multiple=True, metavar="A.B=C", help="As of cohaptic run.")
-@click.option(
-    "--out", type=click.Path(path_type=Path), required=True, help="The package; a new file."
-)
+@click.option("--out", type=OutputFile(), required=True, help="The package; a new file.")
 def export_command(
     *, scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...], out: Path
 ) -> None:

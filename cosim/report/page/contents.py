@@ -7,14 +7,15 @@ the scene moves by comes at least ``SCENE_RATE`` times a second. Equal signals a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, cast
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.meaning import Meaning
 from cosim.record.reader import RecordedSignal, Run
+from cosim.record.scene import recorded_of
 from cosim.record.statistics import ColumnSummary
 from cosim.report.page.pack import pack
 
@@ -61,7 +62,7 @@ def contents(
         scene: what can be drawn of the run (``cosim.scene``), where there is anything.
     """
     pages = Pages()
-    moving = _moving(scene or {}, run)
+    moving = recorded_of(scene or {}, run)
     whole = _whole(run, moving)
     signals = [
         _signal(run, signal, summaries[name], pages, is_whole=name in whole)
@@ -135,19 +136,3 @@ def _panels(run: Run) -> list[dict[str, Any]]:
             by_unit.setdefault(signal.unit, []).append(name)
         panels = [{"unit": unit, "signals": names[:4]} for unit, names in by_unit.items()][:4]
     return panels
-
-
-def _moving(scene: Mapping[str, Any], run: Run) -> list[str]:
-    """The recorded signals that a scene names."""
-    return [name for name in dict.fromkeys(_texts(scene)) if name in run.signals]
-
-
-def _texts(entry: Any) -> Iterator[str]:
-    if isinstance(entry, str):
-        yield entry
-    elif isinstance(entry, Mapping):
-        for value in cast("Mapping[str, Any]", entry).values():
-            yield from _texts(value)
-    elif isinstance(entry, list):
-        for each in cast("list[Any]", entry):
-            yield from _texts(each)

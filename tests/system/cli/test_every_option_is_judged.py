@@ -24,7 +24,7 @@ READ = {
     *("device check --file", "device home --file", "device calibrate --file", "keygen FILE"),
     "device conform --file",
     *("merge RUNS", "record compact RUN", "record digest RUNS", "record export RUN"),
-    *("record list RUN", "record summary RUN"),
+    *("record list RUN", "record summary RUN", "render RUN", "ssp import FILE"),
 }
 """Paths that are read, or created by what refuses them itself (a key)."""
 LOOP = ("--architecture", "distributed")

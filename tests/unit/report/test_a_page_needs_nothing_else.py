@@ -12,7 +12,7 @@ import pytest
 
 from cosim.reading import load
 from cosim.record.reader import open_run
-from cosim.report.drawings import read_scene
+from cosim.record.scene import read_scene
 from cosim.report.page.bundle import bundle
 from cosim.report.page.contents import FULL, contents
 from cosim.report.page.pack import unpack
