@@ -18,11 +18,12 @@ MODEL = Model(
     variables=(
         ModelVariable(
             name="force",
-            description="Forces on the object, which are added up",
+            description="Forces on the object, which are added up; nine users need 17: the own "
+            "hand's, and two for each of the others, hand and copy",
             causality="input",
             unit="N",
             start=0.0,
-            size=4,
+            size=17,
         ),
         ModelVariable(
             name="position",

@@ -152,7 +152,7 @@ def _distributed_signals(
             for body, stiffness, damping in pairs:
                 heard[len(signals)] = 1.0
                 row = plant.row((body, float(stiffness), float(damping)))
-                signals.append(LiftedSignal(network, row, delay=delay))
+                signals.append(LiftedSignal(network, row, delay=delay, known=_known(timing)))
                 own.append((copy, -float(stiffness), -float(damping)))
         own.append((copy, -model.wall_stiffness, -model.wall_damping))
         signals.append(
@@ -180,26 +180,34 @@ def _centralized_signals(
         stiffness, damping = float(model.stiffness[m]), float(model.damping[m])
         up = len(signals)
         row = plant.row((hand, stiffness, damping))
-        signals.append(LiftedSignal(network, row, delay=timing.delay.forward))
+        signals.append(LiftedSignal(network, row, delay=timing.delay.forward, known=_known(timing)))
         own = plant.row((body, -stiffness, -damping))
         signals.append(LiftedSignal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late))
-        # What goes down: the coupler's force at the network instant.
-        down = LiftedSignal(
-            network, own, {up: 1.0}, plant.force((hand, -1.0)), delay=timing.delay.backward
-        )
-        if late:
-            down = LiftedSignal(
+        # What goes down: the coupler's force at the network instant, or that of the last tick.
+        from_hand = plant.force((hand, -1.0))
+        relayed = timing.sampling == "last_tick" and timing.ratio.denominator != 1
+        passed = late or relayed
+        signals.append(
+            LiftedSignal(
                 network,
-                np.zeros(plant.size),
-                {up + 1: 1.0},
-                plant.force((hand, -1.0)),
+                np.zeros(plant.size) if passed else own,
+                {up + 1: 1.0} if passed else {up: 1.0},
+                None if relayed else from_hand,
                 delay=timing.delay.backward,
             )
-        signals.append(down)
+        )
+        if relayed:  # the hand's device takes it at its own next tick
+            nothing = np.zeros(plant.size)
+            signals.append(LiftedSignal(control, nothing, {len(signals) - 1: 1.0}, from_hand))
     wall = plant.row((body, -model.wall_stiffness, -model.wall_damping))
     signals.append(LiftedSignal(control, wall, {}, plant.force((body, 1.0)), delay=late))
     signals.append(_compensation(plant, body, model.compensation, control))
     return signals
+
+
+def _known(timing: Timing) -> int:
+    """At the multiples of how many base ticks a station knows what it sends."""
+    return timing.control_ticks if timing.sampling == "last_tick" else 0
 
 
 def _local(

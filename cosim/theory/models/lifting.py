@@ -27,6 +27,7 @@ class LiftedSignal:
         others: gain on what each other signal holds at that instant, by signal number.
         force: what 1 N of it does to ẋ, shape (n,), or None where it drives nothing.
         delay: in samples of its own period.
+        known: base ticks; it is what was so at the last multiple of them, 0: right then.
     """
 
     period: int
@@ -34,6 +35,11 @@ class LiftedSignal:
     others: dict[int, float] = field(default_factory=dict[int, float])
     force: Real | None = None
     delay: int = 0
+    known: int = 0
+
+    def seen(self, tick: int) -> int:
+        """The base tick of which the value computed at ``tick`` is."""
+        return tick // self.known * self.known if self.known else tick
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +133,7 @@ def lift(
     Z = np.zeros((total, size))
     for number, signal in enumerate(signals):
         for mu in range(counts[number]):
-            row, now = int(first[number]) + mu, mu * signal.period
+            row, now = int(first[number]) + mu, signal.seen(mu * signal.period)
             X[row, :n] = signal.state @ powers[now]
             Y[row] = signal.state @ push[now]
             c[row] = float(signal.state @ constant[now])

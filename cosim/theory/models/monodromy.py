@@ -106,6 +106,8 @@ class _World:
             for name in (*[r for r in users if m == r or self.hears(m, r)], "wall")
         }
         self.pipes = [*pipes, *self.late.values()]
+        self.seen: dict[int, tuple[Real, Real]] = {}
+        """Position and velocity of each mass at the last control tick."""
         self.masses = [hand for m, hand in enumerate(self.hands) if model.present[m]]
         self.masses += self.objects
 
@@ -120,16 +122,26 @@ class _World:
     def spring(self, k: float, b: float, a: tuple[Real, Real], c: tuple[Real, Real]) -> Real:
         return k * (a[0] - c[0]) + b * (a[1] - c[1])
 
+    def measure(self) -> None:
+        """What the stations know of their bodies from this control tick on."""
+        self.seen = {id(mass): (mass.position, mass.velocity) for mass in self.masses}
+
+    def known(self, mass: _Mass) -> list[Real]:
+        """Position and velocity of a mass, as a station sends them."""
+        if self.timing.sampling == "between_ticks":
+            return [mass.position, mass.velocity]
+        return list(self.seen[id(mass)])
+
     def network_instant(self) -> None:
         """Sample and deliver what crosses the network at this instant."""
         model = self.model
         if isinstance(model, Centralized):
             for m, pipe in self.up.items():
-                pipe.push([self.hands[m].position, self.hands[m].velocity])
+                pipe.push(self.known(self.hands[m]))
             return
         for (_, r), pipe in self.peer.items():
             sent = [self.objects[r], self.hands[r]] if model.present[r] else [self.objects[r]]
-            pipe.push([value for mass in sent for value in (mass.position, mass.velocity)])
+            pipe.push([value for mass in sent for value in self.known(mass)])
 
     def control_instant(self) -> None:
         """Compute every force that is computed at T_c, and apply it from now on."""
@@ -180,7 +192,7 @@ class _World:
             return
         copy = self.objects[0]
         for m, pipe in self.down.items():
-            if self.timing.computation_delay:
+            if self.timing.computation_delay or self.timing.sampling == "last_tick":
                 force = self.late[0, m].held[0]
             else:
                 up = self.up[m].held
@@ -191,19 +203,28 @@ class _World:
                     (copy.position, copy.velocity),
                 )
             pipe.push([force])
-            self.hands[m].force = -pipe.held[0]
+
+    def render(self) -> None:
+        """Centralized: what has come down acts on the hands."""
+        if isinstance(self.model, Centralized):
+            for m, pipe in self.down.items():
+                self.hands[m].force = -pipe.held[0]
 
     def run(self) -> None:
         """One hyperperiod, instant by instant, in the order deliver, compute, send, advance."""
         timing = self.timing
         tick = float(timing.base_period)
         for now in range(timing.hyperperiod_ticks):
+            if now % timing.control_ticks == 0:
+                self.measure()
             if now % timing.network_ticks == 0:
                 self.network_instant()
             if now % timing.control_ticks == 0:
                 self.control_instant()
             if now % timing.network_ticks == 0:
                 self.downlink()
+            if now % timing.control_ticks == 0 or timing.sampling == "between_ticks":
+                self.render()
             for mass in self.masses:
                 mass.advance(tick)
 

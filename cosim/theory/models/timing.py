@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Literal
 
 from cosim.base.errors import InputError
+
+Sampling = Literal["last_tick", "between_ticks"]
+"""What is sent between two control ticks, where the ratio is not whole: what was measured and
+computed at the last of them, as the master and every real device do, or what is so right then."""
 
 LONGEST_DELAY = 500
 """Network samples one way. A loop's order grows with its delay, its matrices with the square."""
@@ -72,12 +77,14 @@ class Timing:
         ratio: T_t / T_c, any positive rational.
         delay: delay of the two directions of the network, in network samples.
         computation_delay: ticks of T_c between a coupler's inputs and its force (z⁻¹ when 1).
+        sampling: what is sent between two control ticks; of no account where the ratio is whole.
     """
 
     control_period: Fraction = Fraction(1, 1024)
     ratio: Fraction = Fraction(8)
     delay: PathDelay = field(default_factory=PathDelay)
     computation_delay: int = 0
+    sampling: Sampling = "last_tick"
 
     def __post_init__(self) -> None:
         """Refuse what is not a sampling.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from cosim.theory.models.direct import direct_model
 from cosim.theory.models.frame import assemble
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.stability.spectral_radius import stability
+from fmus.builder import load_model
 
 
 def random_sets(generator: np.random.Generator, name: str) -> list[str]:
@@ -82,3 +85,22 @@ def test_one_axis_runs_have_the_radius_of_the_closed_form(batch: int) -> None:
             apart = abs(found.radius - wanted) / max(wanted, 1.0)
             assert apart <= 1e-9 * max(1.0, 1e-3 * sensitivity), asked.written.root
             assert found.stable == (wanted < 1.0 - 1e-12)
+
+
+@pytest.mark.parametrize("rate", [96, 160, 192, 1536])
+@pytest.mark.parametrize("name", NAMES[1:])
+def test_between_two_control_ticks_the_last_one_is_sent(name: str, rate: int) -> None:
+    """Ratios that are not whole; sampling the bodies right then is another loop."""
+    sets = [f"rates.network={rate} Hz", "channels.lan.round_trip_delay=1"]
+    with ask(read(name, (), sets)) as asked:
+        found = asked.point().spectrum().radius
+        loop = read_single_axis(asked.scenario)
+        model = Parameters(loop.architecture, loop.values, {}, loop.users).model()
+        assert stability(model, loop.timing).spectral_radius == pytest.approx(found, abs=1e-10)
+        other = stability(model, replace(loop.timing, sampling="between_ticks")).spectral_radius
+        assert abs(other - found) > 1e-5
+
+
+def test_an_object_takes_the_forces_of_nine_users() -> None:
+    forces = next(v for v in load_model("object").variables if v.name == "force")
+    assert forces.size == 2 * 9 - 1

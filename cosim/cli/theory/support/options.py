@@ -121,6 +121,7 @@ _SHARED = (
     "forward_delay",
     "backward_delay",
     "ratio",
+    "sampling",
     "control_rate",
     "computation_delay",
     "users",
@@ -146,6 +147,13 @@ _OPTIONS = (
     click.option("--forward-delay", type=int, metavar="I", help="Network samples forward."),
     click.option("--backward-delay", type=int, metavar="J", help="Network samples backward."),
     click.option("--ratio", metavar="N", help="T_t / T_c, such as 8 or 17/2.  [default: 8]"),
+    click.option(
+        "--sampling",
+        type=click.Choice(["last-tick", "between-ticks"]),
+        help="Where the ratio is not whole, what is sent between two control ticks: what was known "
+        "at the last, as the master and devices do, or what is so right then.  "
+        "[default: last-tick]",
+    ),
     click.option("--control-rate", metavar="HZ", help="1 / T_c.  [default: 1024]"),
     click.option(
         "--computation-delay",
@@ -170,6 +178,7 @@ def _loop(
     forward_delay: int | None,
     backward_delay: int | None,
     ratio: str | None,
+    sampling: str | None,
     control_rate: str | None,
     computation_delay: int | None,
     users: int | None,
@@ -206,6 +215,8 @@ def _loop(
         changes["control_period"] = 1 / read_fraction("--control-rate", control_rate)
     if ratio is not None:
         changes["ratio"] = read_fraction("--ratio", ratio)
+    if sampling is not None:
+        changes["sampling"] = sampling.replace("-", "_")
     if given_delay is not None:
         changes["delay"] = given_delay
         loaded = None

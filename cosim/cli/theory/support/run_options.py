@@ -83,7 +83,7 @@ def read_run(
     """
     from cosim.scenario.load import read
 
-    for name in ("architecture", "users", "control_rate", "ratio"):
+    for name in ("architecture", "users", "control_rate", "ratio", "sampling"):
         if options[name] is not None:
             raise InputError(
                 f"--{name.replace('_', '-')} describes a loop that is no scenario's, which has its "
