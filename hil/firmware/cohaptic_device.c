@@ -111,7 +111,8 @@ size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32
 
 void device_tick(Device *device, uint32_t now_us) {
     if (device->watchdog_ms == 0 || device->fired) return;
-    if (now_us - device->last_command_us > 1000u * device->watchdog_ms) {
+    /* Signed: a command that came in an interrupt may be newer than the clock that was read. */
+    if ((int32_t)(now_us - device->last_command_us) > 1000 * (int32_t)device->watchdog_ms) {
         device->fired = device->enabled;
         device->enabled = 0;
         stop(device);

@@ -43,7 +43,8 @@ void device_init(Device *device);
 size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32_t count[2],
                       uint8_t reply[DEVICE_REPLY_BYTES]);
 
-/* Time has passed: fires the watchdog. */
+/* Time has passed: fires the watchdog. Never interrupted by device_receive: where bytes are received in
+ * an interrupt, mask it around this call. A clock that was read before the last command counts as none. */
 void device_tick(Device *device, uint32_t now_us);
 
 #endif

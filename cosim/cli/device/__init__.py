@@ -5,19 +5,16 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from cosim.cli.device.calibrate import calibrate_device
+from cosim.cli.device.check import check_device
 from cosim.cli.device.conform import conform_device
 from cosim.cli.device.emulate import emulate_device
+from cosim.cli.device.first import first_power_on
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.effect import refuse_without
-from cosim.cli.support.values import seconds
-
-if TYPE_CHECKING:
-    from hil.setup.session import Session
 
 _FILE = click.option(
     "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
@@ -80,77 +77,6 @@ def find_ports(*, scan: bool, as_json: bool) -> None:
         click.echo(f"{place['url']:40}{place['description']}")
 
 
-@command.command("check", cls=JsonCommand)
-@click.argument("url")
-@_FILE
-@click.option("--seconds", type=seconds(), default=5.0, show_default=True, help="How long to look.")
-@click.option(
-    "--enable-output",
-    is_flag=True,
-    help="Also let the device's watchdog fire, at zero torque, and note it in the device file.",
-)
-@click.option("--yes", is_flag=True, help="Confirm for an emulator that proves to be one.")
-@_JSON
-def check_device(
-    url: str,
-    file: Path | None,
-    seconds: float,
-    *,
-    enable_output: bool,
-    yes: bool,
-    as_json: bool,
-) -> None:
-    """Read the device at URL while you move the handle; it is sent nothing but zero torque.
-
-    With --enable-output its watchdog is proved as well: the output stage is switched on at zero
-    torque, then nothing is sent until the device reports that its watchdog has fired. A device
-    whose watchdog was never seen to fire is refused force.
-    """
-    from dataclasses import asdict
-
-    from cosim.base.errors import InputError
-    from cosim.cli.support.devices import open_device
-    from hil.device.warnings import warnings_of
-    from hil.setup.device_edit import add_watchdog_proof
-    from hil.setup.look import check
-    from hil.setup.watchdog_proof import prove_watchdog
-
-    if not enable_output:
-        refuse_without("--enable-output", {"--yes": yes}, "there is nothing to confirm")
-    if enable_output and file is None:
-        raise InputError("--enable-output notes the proof in the device file: give --file FILE")
-    with open_device(url, file) as device:
-        for warning in warnings_of(device):
-            click.echo(warning, err=True)
-        click.echo(f"Move the handle of {device.name}; it gets zero torque.", err=True)
-        seen = check(device, seconds, None if as_json else _show)
-        proof = None
-        if enable_output and seen.fault is None and file is not None:
-            device.permission = _session(yes=yes).permission(device)
-            proof = prove_watchdog(device)
-            add_watchdog_proof(file, proof)
-    if as_json:
-        proved = None if proof is None else asdict(proof)
-        click.echo(json.dumps({**asdict(seen), "watchdog_proof": proved}))
-    else:
-        click.echo(
-            f"\n{seen.samples} samples in {seen.exchanges} exchanges, {seen.rate:.0f} a second, "
-            f"oldest data {seen.oldest_sample} ticks; one exchange takes "
-            f"{seen.median * 1e6:.0f} µs (median), {seen.p99 * 1e6:.0f} (p99), "
-            f"{seen.worst * 1e6:.0f} (worst)\n"
-            f"joint 1 from {seen.lowest[0]:.4f} to {seen.highest[0]:.4f} rad, "
-            f"joint 2 from {seen.lowest[1]:.4f} to {seen.highest[1]:.4f} rad"
-        )
-        if proof is not None:
-            click.echo(
-                f"its watchdog of {proof.timeout * 1e3:.0f} ms was reported to have fired after "
-                f"{proof.fired_after * 1e3:.0f} ms of silence; noted in {file}"
-            )
-    if seen.fault is not None:
-        click.echo(seen.fault, err=True)
-        sys.exit(1)
-
-
 @command.command("home", cls=JsonCommand)
 @click.argument("url")
 @_FILE
@@ -173,18 +99,5 @@ def home_device(url: str, file: Path | None, *, yes: bool) -> None:
     )
 
 
-def _session(*, yes: bool) -> Session:
-    """Output was asked for; a person at a terminal is asked back."""
-    from cosim.cli.support.devices import ask_person
-    from hil.setup.session import Session
-
-    return Session(enable_output=True, yes=yes, prompt=ask_person if sys.stdin.isatty() else None)
-
-
-def _show(angle: tuple[float, float], age: int) -> None:
-    click.echo(f"\r{angle[0]:9.4f} {angle[1]:9.4f} rad   age {age} ticks ", err=True, nl=False)
-
-
-command.add_command(calibrate_device)
-command.add_command(conform_device)
-command.add_command(emulate_device)
+for each in (calibrate_device, check_device, conform_device, emulate_device, first_power_on):
+    command.add_command(each)

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import shutil
 import struct
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from contextlib import AbstractContextManager
 from types import SimpleNamespace
 
-from hil.device.contract import ZERO
 from hil.drivers.cobs import protocol
 from hil.drivers.cobs.emulator import CobsBoard
-from hil.emulation import launch
 from hil.emulation.faults import FaultKind
-from hil.emulation.launch import Order
-from hil.wire.side_channel import Control
+from tests.support.hil.board_process import board_process
 
 REPLY = struct.Struct("<BBHIiiH")
 ENABLED, FIRED, IS_ZERO, INPUT = 1, 2, 4, 16
@@ -213,48 +205,6 @@ MUTANTS = {
 """By the rule that each breaks."""
 
 
-def _serve(name: str, folder: str, pipe) -> None:
-    def made(order, world):
-        link = launch.on_terminal(order)
-        board = MUTANTS[name](world, tick=order.tick)
-        world.torque = ZERO
-        return board, link, f"cobs://{link.path}"
-
-    launch.make, real = (lambda order: _built(order, made)), launch.make
-    try:
-        launch.serve(
-            Order(name="cobs", lockstep=True, parameters={"initial_tip_position": (0.0425, 0.2)}),
-            Path(folder),
-            pipe.send,
-            pipe,
-        )
-    finally:
-        launch.make = real
-
-
-def _built(order, made):
-    from hil.emulation.plant import Hand, SimulatedPantograph
-    from hil.emulation.world import World
-
-    body = SimulatedPantograph(order.parameters, hand=Hand(), step=order.tick)
-    return made(order, World(body, lockstep=order.lockstep))
-
-
-@contextmanager
-def mutant(name: str) -> Iterator[SimpleNamespace]:
-    """A mutant in a process of its own, as an emulator is: ``url``, ``home``, ``control``."""
-    context = multiprocessing.get_context("forkserver")
-    folder = tempfile.mkdtemp(prefix="cohaptic-mutant-")
-    lifeline, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(name, folder, theirs), daemon=True)
-    process.start()
-    theirs.close()
-    said = lifeline.recv()
-    control = Control(said["control"])
-    try:
-        yield SimpleNamespace(url=said["url"], home=said["home"], control=control)
-    finally:
-        control.close()
-        lifeline.close()
-        process.join(10)
-        shutil.rmtree(folder, ignore_errors=True)
+def mutant(name: str) -> AbstractContextManager[SimpleNamespace]:
+    """A mutant in a process of its own."""
+    return board_process(MUTANTS[name])
