@@ -17,6 +17,7 @@ from cosim.base.component import Causality, Variable
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning
 from cosim.base.quantities.quantity import format_exact
+from cosim.base.quantities.units import Unit, conversion
 from cosim.base.suggest import did_you_mean
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.reading import read_description
@@ -180,10 +181,20 @@ class _Importer:
                 written["factor"] = factor
             if offset != 0.0:
                 written["offset"] = offset
-            if ignores:
+            if ignores and self._units_differ(source, (path, connector)):
                 written["unit"] = "ignore"
             found.append(written | own)
         return found
+
+    def _units_differ(self, source: Port, target: Port) -> bool:
+        """Whether there is anything to ignore."""
+        ends = [(path, self._variable(path, connector)) for path, connector in (source, target)]
+        units = [self._unit(path, variable) for path, variable in ends]
+        relative = [variable.is_relative for _, variable in ends]
+        return conversion(*units) != (1.0, 0.0) or relative[0] != relative[1]
+
+    def _unit(self, path: Path, variable: Variable) -> Unit | None:
+        return self.fmus[path].interface("", feedthrough=False).unit(variable.name)
 
     def _variable(self, path: Path, name: str) -> Variable:
         bare = _INDEX.fullmatch(name)
@@ -251,7 +262,7 @@ class _Importer:
         except InputError as error:
             self.notes.append(f"a parameter set: {error.message}")
             return
-        unit = self.fmus[path].interface("", feedthrough=False).unit(variable.name)
+        unit = self._unit(path, variable)
         try:
             value = in_unit(given, unit)
         except ValueError as error:

@@ -20,7 +20,7 @@ from fmus.header import description_source, variables_header
 from tests.support.fmus import fmu_support as support
 
 GLUE = ("instance.c", "values.c", "snapshot.c", "fmi2.c", "fmi3.c")
-EXERCISE = Path(__file__).parents[2] / "support" / "fmus" / "native" / "exercise.c"
+NATIVE = Path(__file__).parents[2] / "support" / "fmus" / "native"
 NAMES = [name for name in (*support.MODELS, *support.PROBES) if name != "probe_failure"]  # crashes
 COMPILER = shutil.which("gcc") or shutil.which("clang")
 
@@ -46,22 +46,34 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """What all models share, compiled once."""
     folder = tmp_path_factory.mktemp("objects")
     made: list[Path] = []
-    for path in [EXERCISE, *support_files(), *(FOLDER / "fmi" / each for each in GLUE)]:
+    for path in [*support_files(), *(FOLDER / "fmi" / each for each in GLUE)]:
         made.append(folder / f"{path.stem}.o")
         compile_with("-c", path, "-o", made[-1])
     return made
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_no_sanitizer_complains(name: str, objects: list[Path], tmp_path: Path) -> None:
+def run_with(main: str, name: str, objects: list[Path], folder: Path) -> int:
+    """The number that the program says, which is ``main`` and one model."""
     source = support.source(name)
-    (tmp_path / f"{name}_variables.h").write_text(variables_header(source.model))
-    description = tmp_path / "description.c"
+    (folder / f"{name}_variables.h").write_text(variables_header(source.model))
+    description = folder / "description.c"
     description.write_text(description_source(source.model, token="{x}", digest="0" * 64))
-    program = tmp_path / "exercise"
-    own = [f"-I{source.folder}", f"-I{tmp_path}", description, *model_files(source)]
+    program = folder / "program"
+    own = [f"-I{source.folder}", f"-I{folder}", NATIVE / main, description, *model_files(source)]
     compile_with(*own, *objects, "-lm", "-o", program)
     result = subprocess.run([program], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
-    assert int(result.stdout) > 0
+    return int(result.stdout)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_no_sanitizer_complains(name: str, objects: list[Path], tmp_path: Path) -> None:
+    assert run_with("exercise.c", name, objects, tmp_path) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_a_hostile_importer_breaks_nothing(name: str, objects: list[Path], tmp_path: Path) -> None:
+    """Two thousand instances, and forty thousand calls that keep no rule."""
+    assert run_with("hostile.c", name, objects, tmp_path) > 1000

@@ -218,7 +218,8 @@ def test_suppressed_conversions_and_steps_of_osp_are_obeyed(folder: Path) -> Non
         + "</Connections>"
     )
     document, _ = read(ssd(folder, inside))
-    assert document["connections"] == [{"from": "a.y", "to": "b.u", "unit": "ignore"}]
+    # Both are in m: there is nothing to ignore.
+    assert document["connections"] == [{"from": "a.y", "to": "b.u"}]
     assert document["components"]["a"]["rate"] == "4"
 
 
@@ -298,7 +299,7 @@ def test_an_osp_system_structure_is_read(folder: Path) -> None:
     assert document["components"]["a"]["parameters"] == {"p": 2.0}
     (connection,) = document["connections"]
     assert connection == {
-        "from": "a.y", "to": "b.u", "factor": 3.0, "offset": 4.0, "unit": "ignore",
+        "from": "a.y", "to": "b.u", "factor": 3.0, "offset": 4.0,
     }  # fmt: skip
     with pytest.raises(InputError, match="does not say how long to run"):
         read(file)
