@@ -47,7 +47,6 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
     fingers: list[dict[str, Any]] = []
     bodies: list[dict[str, Any]] = []
     pointers: list[dict[str, Any]] = []
-    energies: list[str] = []
     walls: list[list[float]] = []
     for name, participant in assembly.participants.items():
         signals = _meant(name, columns)
@@ -63,12 +62,6 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
         ]
         if valid := _one(signals, Meaning.POINTER_VALID):
             pointers.append(_pointer(name, station, valid, participant, signals))
-        energies += [
-            each
-            for (meaning, _), found in signals.items()
-            if meaning is Meaning.PORT_ENERGY
-            for each in found
-        ]
     channels = [
         {"name": f"{channel}.{way}", "age": age, "sequence": sequence, "period": described.period}
         for channel, described in assembly.scenario.channels.items()
@@ -82,7 +75,6 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
         "pointers": pointers,
         "walls": walls,
         "channels": channels,
-        "energies": energies,
     }
 
 
@@ -106,7 +98,7 @@ def _names(entry: Any) -> Iterator[str]:
 _SIGNAL_KEYS = frozenset(
     {
         *("pose", "nodes", "penetration", "position", "force", "state", "normal_force"),
-        *("angles", "age", "sequence", "energies", "valid", "count"),
+        *("angles", "age", "sequence", "energy", "valid", "count"),
     }
 )
 
@@ -153,6 +145,7 @@ def _fingers(
                 "force": _all(signals, FORCE, slot),
                 "state": _one(signals, Meaning.CONTACT_STATE, slot),
                 "normal_force": _one(signals, Meaning.NORMAL_FORCE, slot),
+                "energy": _one(signals, Meaning.PORT_ENERGY, slot),
                 "limit": _values(participant, (Meaning.FORCE_LIMIT,), slot).get(
                     Meaning.FORCE_LIMIT
                 ),

@@ -7,7 +7,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -21,9 +21,10 @@ from cosim.cli.support.page import ANYWHERE, scene_of
 from cosim.cli.support.values import OutputFolder
 
 if TYPE_CHECKING:
+    from cosim.base.component import Component
     from cosim.live.control import PlayControl
     from cosim.live.hands import User
-    from cosim.live.mailbox import Mailbox
+    from cosim.live.knobs import PageKnob
     from cosim.realtime.live import Feed
     from cosim.realtime.paced_run import PacedRun
     from cosim.run import Finished
@@ -82,11 +83,15 @@ def command(
     from cosim.cli.support.devices import refuse_without_devices, say
     from cosim.live.access import listening
     from cosim.live.control import PlayControl
+    from cosim.live.knobs import places
     from cosim.live.mailbox import Mailbox
+    from cosim.live.panel import KNOBS, KnobPanel
+    from cosim.live.pointer import Pointer
     from cosim.live.process import ServerProcess
+    from cosim.realtime.ring import Ring
 
     lasting = f"duration={duration or DURATION}"
-    users, loaded = _with_hands(scenario, overlays, (*sets, lasting))
+    users, knobs, loaded = _with_hands(scenario, overlays, (*sets, lasting))
     refuse_without_devices(loaded, enable_output=False, yes=False, dead_man=None)
     with ExitStack() as stack:
         control = PlayControl.create()
@@ -94,19 +99,32 @@ def command(
         boxes = {user.station: Mailbox.create() for user in users}
         for box in boxes.values():
             stack.callback(box.remove)
+        rings = {station: Ring.create(KNOBS, capacity=16) for station in places(knobs)}
+        for ring in rings.values():
+            stack.callback(ring.remove)
         server = stack.enter_context(
             ServerProcess(
                 listening(live_at or ANYWHERE),
                 str(os.getpid()),
                 mailboxes={user: box.path for user, box in boxes.items()},
                 control=control.path,
+                panels={station: ring.path for station, ring in rings.items()},
+                knobs=knobs,
             )
         )
         address = server.address()
         say(f"play at: {address}")
         if browser:
             _open(address)
-        finished = _takes(loaded, users, boxes, control, out)
+
+        def instances() -> dict[str, Component]:
+            """Of one take: a component begins anew with it."""
+            return {
+                **{user.pointer: Pointer(boxes[user.station]) for user in users},
+                **{f"panel_{station}": KnobPanel(ring) for station, ring in rings.items()},
+            }
+
+        finished = _takes(loaded, instances, control, out)
     if finished is not None and finished.error is not None:
         click.echo(str(finished.error), err=True)
         sys.exit(finished.error.exit_status)
@@ -137,7 +155,9 @@ def _again(
         lasting = f"duration={float(seconds)!r}"
         loaded = load(written, (hands, *overlays), (lasting, *sets))
     judge = DeviceJudge(realtime=False)
-    finished = run_in_child(loaded, out, progress=None, figure=True, judge=judge, say=say)
+    finished = run_in_child(
+        loaded, out, progress=None, figure=True, page=True, judge=judge, say=say
+    )
     click.echo(finished.summary.text())
     if finished.summary.content["message"]:
         click.echo(finished.summary.content["message"], err=True)
@@ -146,27 +166,29 @@ def _again(
 
 def _with_hands(
     scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
-) -> tuple[list[User], Scenario]:
-    """Who can be played, and the scenario with pointers in it.
+) -> tuple[list[User], list[PageKnob], Scenario]:
+    """Who can be played, what can be turned, and the scenario with pointers and panels in it.
 
     Raises:
         InputError: it cannot be read, or nobody can be played.
     """
     from cosim.live.hands import users_of, with_hands
+    from cosim.live.knobs import knobs_of, with_panels
     from cosim.reading import load
 
     emulated = load(scenario, overlays, sets)
-    users = users_of(emulated)
+    users, knobs = users_of(emulated), knobs_of(emulated)
     with tempfile.TemporaryDirectory() as folder:
         hands = Path(folder) / "hands.yaml"
         hands.write_text(json.dumps(with_hands(emulated, users)), encoding="utf-8")
-        return users, load(scenario, (*overlays, hands), sets)
+        panels = Path(folder) / "panels.yaml"
+        panels.write_text(json.dumps(with_panels(emulated, knobs)), encoding="utf-8")
+        return users, knobs, load(scenario, (*overlays, hands, panels), sets)
 
 
 def _takes(
     loaded: Scenario,
-    users: list[User],
-    boxes: Mapping[str, Mailbox],
+    instances: Callable[[], dict[str, Component]],
     control: PlayControl,
     out: Path | None,
 ) -> Finished | None:
@@ -179,7 +201,7 @@ def _takes(
             control.look()
             begun, number = control.restarts, number + 1
             folder = out if out is None or number == 1 else out.with_name(f"{out.name}-{number}")
-            finished = _take(loaded, users, boxes, control, folder)
+            finished = _take(loaded, instances(), control, folder)
             say(f"recorded in {finished.folder}")
             control.look()
             if control.restarts != begun:
@@ -196,8 +218,7 @@ def _takes(
 
 def _take(
     loaded: Scenario,
-    users: list[User],
-    boxes: Mapping[str, Mailbox],
+    instances: Mapping[str, Component],
     control: PlayControl,
     out: Path | None,
 ) -> Finished:
@@ -205,7 +226,6 @@ def _take(
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import say
     from cosim.live.play_pacer import PlayPacer
-    from cosim.live.pointer import Pointer
     from cosim.realtime.paced_run import PacedRun
     from cosim.realtime.pacing import DeadlinePacer
     from cosim.run import run_scenario
@@ -222,7 +242,7 @@ def _take(
             execute=paced,
             deadlines=paced.statistics,
             figure=False,
-            instances={user.pointer: Pointer(boxes[user.station]) for user in users},
+            instances=instances,
             judge=DeviceJudge(realtime=True),
             say=say,
         )

@@ -15,7 +15,7 @@ from cosim.base.errors import InputError
 from cosim.live.mailbox import FINGERS
 from cosim.scenario import Scenario, ScenarioComponent
 
-POINTER = "cosim.live.pointer:Pointer"
+POINTER, PANEL = "cosim.live.pointer:Pointer", "cosim.live.panel:KnobPanel"
 OPERATOR, DEVICE = "operator", "pantograph"
 FORWARD, REACH = 0.77, 0.27
 """Where the middle of a pantograph's workspace lies in front of its motors, and how far from there
@@ -55,12 +55,12 @@ def users_of(scenario: Scenario) -> list[User]:
 
 
 def pointers_of(scenario: Scenario) -> list[str]:
-    """The pointers of a take's scenario.
+    """The pointers of a take's scenario, and the panels of its knobs.
 
     Raises:
         InputError: there is none.
     """
-    found = [n for n, part in scenario.components.items() if part.source == POINTER]
+    found = [n for n, p in scenario.components.items() if p.source in {POINTER, PANEL}]
     if not found:
         raise InputError(
             f"{scenario.file} is no take of 'cohaptic play': there is no pointer in it."

@@ -11,14 +11,16 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from cosim.base.errors import InputError
 
 if TYPE_CHECKING:
+    from cosim.live.knobs import PageKnob
     from cosim.live.server import LiveServer
 
 NICENESS = 5
@@ -29,7 +31,8 @@ class ServerProcess:
     """Starts the server, knows its address, and ends it; a context manager.
 
     ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
-    user) and ``control`` are the shared memory of ``cohaptic play``.
+    user), ``panels`` (by station) and ``control`` are the shared memory of ``cohaptic play``,
+    ``knobs`` what its pages may turn.
     """
 
     def __init__(
@@ -39,6 +42,8 @@ class ServerProcess:
         *,
         mailboxes: Mapping[str, Path] | None = None,
         control: Path | None = None,
+        panels: Mapping[str, Path] | None = None,
+        knobs: Sequence[PageKnob] = (),
     ) -> None:
         told = {
             "host": listen[0],
@@ -46,6 +51,8 @@ class ServerProcess:
             "wanted": wanted,
             "mailboxes": {user: str(path) for user, path in (mailboxes or {}).items()},
             "control": None if control is None else str(control),
+            "panels": {station: str(path) for station, path in (panels or {}).items()},
+            "knobs": [asdict(knob) for knob in knobs],
         }
         self._process = subprocess.Popen(
             [sys.executable, "-m", "cosim.live.process", json.dumps(told)],
@@ -85,16 +92,20 @@ class ServerProcess:
 def main(told: Mapping[str, Any]) -> None:
     """Serve until standard input ends."""
     from cosim.live.control import PlayControl
+    from cosim.live.knobs import Panels, knob_of
     from cosim.live.mailbox import Mailbox
     from cosim.live.seats import Seats
     from cosim.live.server import LiveServer, Serving
+    from cosim.realtime.ring import Ring
 
     with suppress(OSError):
         os.nice(NICENESS)
     seats = None
     if told["control"] is not None:
         boxes = {user: Mailbox.attach(Path(path)) for user, path in told["mailboxes"].items()}
-        seats = Seats(boxes, PlayControl.attach(Path(told["control"])))
+        rings = {station: Ring(Path(path)) for station, path in told["panels"].items()}
+        knobs = [knob_of(knob) for knob in told["knobs"]]
+        seats = Seats(boxes, PlayControl.attach(Path(told["control"])), Panels(knobs, rings))
     settings = Serving(
         host=told["host"], port=told["port"], wanted=told["wanted"], play=seats is not None
     )

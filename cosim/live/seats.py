@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from cosim.live.control import PlayControl
+from cosim.live.knobs import Panels
 from cosim.live.mailbox import FINGERS, Mailbox
 from cosim.live.viewer import Viewer
 
@@ -45,8 +46,14 @@ class _Clock:
 class Seats:
     """The users of a run, their mailboxes, and the pages that hold them."""
 
-    def __init__(self, mailboxes: Mapping[str, Mailbox], control: PlayControl) -> None:
+    def __init__(
+        self,
+        mailboxes: Mapping[str, Mailbox],
+        control: PlayControl,
+        panels: Panels | None = None,
+    ) -> None:
         self._mailboxes = mailboxes
+        self._panels = panels or Panels([], {})
         self._control = control
         self._held: dict[str, Viewer] = {}
         self._clocks: dict[str, _Clock] = {}
@@ -83,6 +90,7 @@ class Seats:
             "users": list(self._mailboxes),
             "taken": sorted(self._held),
             "control": self._control.told(),
+            "knobs": self._panels.told(),
         }
 
     def seen(self) -> dict[str, list[list[float]]]:
@@ -105,6 +113,8 @@ class Seats:
             self._hand(viewer.user, message["hand"])
         if viewer.user is not None and "control" in message:
             return self._control.hear(message["control"])
+        if viewer.user is not None and "knobs" in message:
+            return self._panels.hear(message["knobs"])
         return False
 
     def _take(self, viewer: Viewer, user: str) -> None:

@@ -133,6 +133,27 @@ def test_the_ripple_at_b_breaks_out_under_centralized_control_alone(
         assert expected[0] <= readout(page, "ripple-b") < expected[1]
 
 
+def test_the_delay_that_a_page_turns_up_is_what_breaks_the_grasp(chromium, play):
+    address = play[0]("two_users_box_centralized", "--set", "channels.lan.round_trip_delay=0")
+    with shown(chromium, address) as page:
+        until(page, "cohaptic.run.scene.pointers.length === 2")
+        pinch(page)
+        until(page, ALL_TOUCH, 30)
+        found = []
+        for delay in (0, 2, 0):
+            page.fill("[id='knob-lan.round_trip_delay']", str(delay))
+            moment = page.evaluate("cohaptic.time")
+            worst = 0.0
+            while page.evaluate("cohaptic.time") < moment + 4:
+                carry(page, 8, 8, 6)
+                carry(page, 0, 0, 6)
+                if page.evaluate("cohaptic.time") > moment + 2:
+                    worst = max(worst, readout(page, "ripple-b"))
+            found.append(worst)
+        assert found[1] > 0.5
+        assert found[1] > 2 * max(found[0], found[2])
+
+
 def test_keys_touches_and_a_gamepad_are_hands_too(chromium, play):
     address = play[0]()
     with shown(chromium, address, has_touch=True) as page:

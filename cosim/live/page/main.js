@@ -87,7 +87,7 @@ function introduce(told) {
 function usualPlots() {
   plots.clear();
   chosen = null;
-  const { fingers, channels, energies, boxes, bodies } = run.scene;
+  const { fingers, channels, boxes, bodies } = run.scene;
   const forced = fingers.filter((finger) => finger.force.length);
   if (forced.length) {
     plots.add("Force on the fingers", "N", forced.map((finger) => ({
@@ -107,10 +107,11 @@ function usualPlots() {
       })),
     ]);
   }
-  if (energies.length) {
-    plots.add("Energy that the users have put in", "J", energies.map((name, index) => ({
-      names: [name], label: label(fingers[index] ?? { station: name, finger: "" }),
-      colour: scene.colourOf(fingers[index]?.station), dash: index % 2,
+  const ports = fingers.filter((finger) => finger.energy);
+  if (ports.length) {
+    plots.add("Energy that the users have put in", "J", ports.map((finger) => ({
+      names: [finger.energy], label: label(finger), colour: scene.colourOf(finger.station),
+      dash: finger.finger - 1,
     })));
   }
   const first = boxes.length ? boxes.map((box) => box.pose[0]) : bodies.map((body) => body.position);
@@ -283,6 +284,32 @@ function takeSeats(told) {
   $("speed").replaceChildren(...speeds.map((each) => new Option(`${each * 100} %`, each, false, each === speed)));
   $("pause").setAttribute("aria-pressed", paused);
   $("step").disabled = !paused;
+  showKnobs(told.knobs);
+}
+
+function showKnobs(knobs) {
+  const panel = $("knobs");
+  panel.hidden = !knobs.length || !run?.scene.pointers.length;
+  for (const knob of knobs) {
+    let input = document.getElementById(`knob-${knob.key}`);
+    if (!input) {
+      const row = document.createElement("label");
+      input = document.createElement("input");
+      Object.assign(input, {
+        type: "range", id: `knob-${knob.key}`, min: knob.minimum, max: knob.maximum, step: knob.step,
+      });
+      const shown = document.createElement("output");
+      input.addEventListener("input", () => {
+        connection.say({ knobs: { [knob.key]: Number(input.value) } });
+        shown.textContent = `${input.value} ${knob.unit}`;
+      });
+      row.append(knob.label, input, shown);
+      panel.append(row);
+    }
+    if (document.activeElement !== input || !input.matches(":active")) input.value = knob.value;
+    input.disabled = seats.user === null;
+    input.nextElementSibling.textContent = `${knob.value} ${knob.unit}`;
+  }
 }
 
 const control = (wish) => connection.say({ control: wish });

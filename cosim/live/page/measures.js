@@ -56,7 +56,9 @@ export function delays(ages, sequences, scale) {
     const number = sequences[row];
     if (age === null || number === null || number < 0) return null;
     if (number !== held) {
-      if (held !== null) delay = age * scale;
+      // Where rows were thinned, the least of a few is the age with which it came.
+      const near = [age, ages[row - 1], ages[row + 1]].filter((each) => each != null);
+      if (held !== null) delay = Math.min(...near) * scale;
       held = number;
     }
     return delay;

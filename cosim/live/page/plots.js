@@ -111,7 +111,7 @@ export class Plots {
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       axes: [
         { ...axis, size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
-        { ...axis, size: 58, values: (_, ticks) => ticks.map((tick) => `${+tick.toPrecision(6)}`) },
+        { ...axis, size: width, values: (_, ticks) => ticks.map((tick) => `${+tick.toPrecision(6)}`) },
       ],
       series: [
         {},
@@ -135,6 +135,11 @@ export class Plots {
       },
     };
   }
+}
+
+/** Room (px) for the longest label of an axis. */
+function width(_, labels) {
+  return 16 + 7 * Math.max(4, ...(labels ?? []).map((text) => text.length));
 }
 
 function range(columns) {
