@@ -92,7 +92,7 @@ class _Splitter:
         self.dropped: list[str] = []
 
     def split(self) -> Half:
-        self._refuse_turned_channels()
+        self._drop_turned_channels()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
             if bundle.channel is not None:
                 self._cross(number, bundle)
@@ -119,14 +119,10 @@ class _Splitter:
         )
         return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
 
-    def _refuse_turned_channels(self) -> None:
+    def _drop_turned_channels(self) -> None:
         """A link between two machines is as it is; what a channel simulates can be turned."""
         for channel, dials in self.assembly.knobs.dials().items():
-            raise InputError(
-                f"{self.scenario.name} turns {channel}.{min(dials)}, and between stations "
-                f"{channel} is a real link, which nothing here can turn; run it with 'cohaptic "
-                f"run', or take what turns {channel} out of 'events', 'knobs' and 'connections'"
-            )
+            self.dropped += [f"what turns {channel}.{dial}" for dial in sorted(dials)]
 
     def _components(self) -> dict[str, ScenarioComponent]:
         own = {
@@ -281,8 +277,10 @@ class _Splitter:
     def _keep_own_connections(self) -> None:
         for connection in self.scenario.connections:
             there = self.scenario.components.get(connection.source.component)
-            here = self.scenario.components[connection.target.component]
-            if there is not None and there.station == here.station == self.own:
+            here = self.scenario.components.get(connection.target.component)
+            if here is None or there is None:
+                continue  # about a channel, or into one
+            if there.station == here.station == self.own:
                 self.connections.append(connection)
 
     def _keep_impairments(self, channel: Channel) -> None:

@@ -149,16 +149,17 @@ def _stand(simulation: Simulation, at: Fraction | None) -> RunMap | None:
         simulation.advance(first)
         run = RunMap(simulation)
         return run if run.is_linear else None
-    wanted = int(at * simulation.scenario.base_rate) // period * period
+    scenario = simulation.scenario
+    wanted = int((at - scenario.start_time) * scenario.base_rate) // period * period
     if wanted < first:
-        seconds = float(first / simulation.scenario.base_rate)
+        seconds = float(scenario.start_time + first / scenario.base_rate)
         raise InputError(
             f"--at {float(at):g} s is too early: the channels are not full before {seconds:g} s."
         )
     if wanted > simulation.scenario.ticks:
         raise InputError(
             f"--at {float(at):g} s is beyond the scenario's "
-            f"{float(simulation.scenario.duration):g} s."
+            f"{float(scenario.start_time + scenario.duration):g} s."
         )
     _advance(simulation, wanted)
     return RunMap(simulation)
@@ -197,7 +198,7 @@ def _last_rest(scenario: Scenario) -> Fraction:
                 f"{moving} moves all the time, and a run has an operating point only where what "
                 "users want stands still. Let it rest, or measure the run instead."
             )
-        return Fraction(last) / scenario.base_rate
+        return scenario.start_time + Fraction(last) / scenario.base_rate
 
 
 def _advance(simulation: Simulation, tick: int) -> None:

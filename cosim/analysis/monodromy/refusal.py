@@ -15,11 +15,25 @@ _WORD = {
 
 
 def refuse_what_has_no_theory(scenario: Scenario) -> None:
-    """Refuse parts whose state cannot be moved, and those that switch.
+    """Refuse parts whose state cannot be moved, those that switch, and what is turned on the way.
 
     Raises:
         InputError: by name and place.
     """
+    for event in scenario.events:
+        raise InputError(
+            f"{event.target} is turned at tick {event.tick}, and the theory of a run is of one "
+            "plan: lay a file with 'events: ~' over it, and set what is in force at the moment "
+            "that you ask for.",
+            scenario.locate(event.written),
+        )
+    for number, link in enumerate(scenario.connections):
+        if link.target.component in scenario.channels:
+            raise InputError(
+                f"{link} turns a channel, and the theory of a run is of one plan: leave the "
+                "connection out, and set what is in force at the moment that you ask for.",
+                scenario.locate(("connections", number)),
+            )
     read = {link.source.component for link in scenario.connections}
     for name, part in scenario.components.items():
         place = scenario.locate(("components", name))

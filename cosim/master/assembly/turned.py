@@ -16,8 +16,16 @@ from cosim.master.components.interface import Interface, is_tunable
 from cosim.master.components.parameters import element_start
 from cosim.master.components.participants import Participant
 from cosim.master.components.tunable import named, tunable_at
-from cosim.scenario import Channel, Connection, Event, KnobRange, Reference, Scenario
-from cosim.scenario.build.dials import description_of, reading, targets_of, unit_of
+from cosim.scenario import Channel, Connection, Event, KnobRange, Record, Reference, Scenario
+from cosim.scenario.build.dials import (
+    DELAY,
+    WAYS,
+    description_of,
+    dials,
+    reading,
+    targets_of,
+    unit_of,
+)
 
 
 def read_knobs(
@@ -46,6 +54,9 @@ class _Reader:
             path = ("connections", number)
             with self.problems.at(path):
                 self._connect(connection, path)
+        for number, record in enumerate(self.scenario.record):
+            with self.problems.at(("record", number)):
+                self._record(record)
         turns: list[Turn] = []
         for event in self.scenario.events:
             with self.problems.at(event.written):
@@ -112,6 +123,21 @@ class _Reader:
                     f"{connection} turns {where}, and nothing says how far, which must be known "
                     f"before the start; write 'knobs: {{{where}: {{maximum: …}}}}'.",
                 )
+
+    def _record(self, record: Record) -> None:
+        """What could be turned and is recorded by its name has a value, too, that stays."""
+        component, _, path = record.pattern.partition(".")
+        channel = self.scenario.channels.get(component)
+        if channel is not None:
+            way, _, name = path.partition(".")
+            names = [path] if way in WAYS and name in {DELAY, *dials()} else []
+        elif component in self.knobs.participants:
+            interface = self.knobs.participants[component].interface
+            names = [v.name for v in named(interface, path) if is_tunable(v)]
+        else:
+            names = []
+        for name in names:
+            self._knob((component, name))
 
     def _event(self, event: Event) -> list[Turn]:
         turns: list[Turn] = []

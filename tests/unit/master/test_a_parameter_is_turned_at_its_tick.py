@@ -247,3 +247,13 @@ def test_a_simulation_is_renewed_with_other_events(tmp_path: Path, how: dict[str
                 )
     more = wall("fmi3", events_of([(3, "wall_damping", 1.0)]))
     assert with_values(first.assembly, scenario_of(tmp_path, more)) is None
+
+
+def test_a_tunable_parameter_that_stays_can_be_recorded_by_its_name(tmp_path: Path) -> None:
+    """So events can be taken out of a scenario that records what they turn."""
+    written = wall("fmi3", record=["object.wall_stiffness", "object.position"])
+    sink, _ = run(scenario_of(tmp_path, written))
+    assert set(sink.signal("object.wall_stiffness").tolist()) == {50.0}
+    plain, _ = run(scenario_of(tmp_path, wall("fmi3")))
+    np.testing.assert_array_equal(sink.signal("object.position"), plain.signal("object.position"))
+    assert "object.wall_stiffness" not in [c.name for g in plain.groups for c in g.columns]

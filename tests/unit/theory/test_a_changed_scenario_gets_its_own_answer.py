@@ -144,3 +144,35 @@ def test_a_mutated_run_obeys_the_polynomial_of_its_own_map(batch: int) -> None:
         if every == every_before and changed:
             assert disobeys(before, rows) > 10 * own, (name, sets)
     assert refused <= 2
+
+
+def test_what_is_turned_on_the_way_is_refused_by_name() -> None:
+    """The theory is of one plan; without the events it answers for that one."""
+    with (
+        pytest.raises(
+            InputError, match=r"lan.forward.delay is turned at tick 1536, and the theory"
+        ),
+        ask(read("single_axis_turned")) as asked,
+    ):
+        asked.point()
+    turned = "knobs={lan.loss: {maximum: 0.2}}"
+    wire = "connections=[{from: step_1.value, to: lan.loss}]"
+    with (
+        pytest.raises(InputError, match=r"step_1.value -> lan.loss turns a channel"),
+        ask(read("single_axis_distributed", (), [turned, wire])) as asked,
+    ):
+        asked.point()
+    with ask(read("single_axis_turned", (), ["events=~"])) as asked:
+        size = asked.point().run.size
+    with ask(read("single_axis_distributed")) as asked:
+        assert asked.point().run.size == size
+
+
+def test_a_run_that_starts_late_is_asked_at_its_own_time() -> None:
+    sets = ["start_time=2", "components.step_1.parameters.start_time=2.1"]
+    with (
+        ask(read("single_axis_distributed", (), sets)) as late,
+        ask(read("single_axis_distributed")) as plain,
+    ):
+        assert late.point().tick == plain.point().tick
+        np.testing.assert_array_equal(late.point().run.numbers(), plain.point().run.numbers())

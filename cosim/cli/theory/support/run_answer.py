@@ -92,7 +92,7 @@ def about(asked: AskedRun) -> dict[str, Any]:
     point = asked.point()
     found: dict[str, Any] = {
         "tick": point.tick,
-        "at": float(point.tick / asked.scenario.base_rate),
+        "at": float(asked.scenario.start_time + point.tick / asked.scenario.base_rate),
         "coordinates": point.run.size,
         "architecture": "run",
     }
@@ -112,8 +112,6 @@ def place(asked: AskedRun) -> str:
         f"{float(c.backward.delay.ticks / scenario.base_rate) * 1e3:.4g} ms back"
         for name, c in scenario.channels.items()
     ]
-    where = (
-        f"{scenario.name}, the run at {float(point.tick / scenario.base_rate):.6g} s "
-        f"({point.run.size} numbers)"
-    )
+    at = float(scenario.start_time + point.tick / scenario.base_rate)
+    where = f"{scenario.name}, the run at {at:.6g} s ({point.run.size} numbers)"
     return f"{where}, {'; '.join(delays)}" if delays else where
