@@ -25,6 +25,7 @@ from hil.setup import session as sessions
 from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
 from hil.setup.options import check_options
+from hil.setup.watchdog_proof import prove_at_opening
 from hil.wire.side_channel import Control
 
 _FILE_OPTIONS = ("file", "preset")
@@ -151,6 +152,7 @@ class DeviceComponent(Component):
         device.configure()
         try:
             device.permission = session.permission(device)
+            prove_at_opening(device)
             session.keep_awake(device)
             for warning in warnings_of(device):
                 session.tell(warning)

@@ -193,6 +193,7 @@ class Device:
                 f"{self.name} has a new sample every {driver.native_period_ticks:g} ticks; more "
                 f"than {LONGEST_NATIVE_PERIOD} is too slow for this control rate"
             )
+        driver.watchdog_seen = None
         try:
             driver.open()
             self._exchange.check_serial()

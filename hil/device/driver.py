@@ -67,11 +67,17 @@ class Driver(DriverFacts, ABC):
         """What the board does by itself when the host falls silent."""
         return Watchdog()
 
-    def watchdog_proved(self, timeout: float) -> bool:
-        """Whether the device file says that a watchdog with this timeout (s) fired on this device.
+    watchdog_seen: float | None = None
+    """Timeout (s) of the watchdog that was seen to fire since the port was opened."""
 
-        For drivers whose boards tell nothing that could be read back.
+    def watchdog_proved(self, timeout: float) -> bool:
+        """Whether a watchdog with this timeout (s) was seen to fire on this device.
+
+        At this opening; or, for what is done without force, as the device file has it. For drivers
+        whose boards tell nothing that could be read back.
         """
+        if self.watchdog_seen is not None:
+            return abs(self.watchdog_seen - timeout) < 1e-6
         proof = self.file.watchdog_proof
         return (
             proof is not None

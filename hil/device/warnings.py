@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from hil.device.contract import CUT_POWER
+from hil.device.contract import CUT_POWER, LONGEST_WATCHDOG
 from hil.device.device import Device
 
 
 def warnings_of(device: Device) -> list[str]:
     """Sentences, for a device that is about to be allowed to push."""
     texts: list[str] = []
-    if not device.watchdog.protects and not device.in_process:
-        none = device.watchdog.timeout is None
+    timeout = device.watchdog.timeout
+    # One that is fast enough has to fire before there is any force.
+    if not device.in_process and (timeout is None or timeout > LONGEST_WATCHDOG):
         texts.append(
-            f"{device.name} has {'no watchdog' if none else 'a watchdog that was never proved'}: "
+            f"{device.name} has {'no watchdog' if timeout is None else 'too slow a watchdog'}: "
             "when it is unplugged, hangs or runs away its output is unknown; "
             f"{CUT_POWER.split(':')[0]} then. Keep the switch within reach."
         )

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
 
-from hil.device.contract import Received, State, WatchdogProof
+from hil.device.contract import LONGEST_WATCHDOG, Received, State, WatchdogProof
 from hil.device.device import Device
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, DeviceError, LifecycleError
@@ -20,8 +20,37 @@ FED_TIMEOUTS = 2.0
 """How long it is fed first, in its own timeouts: a watchdog that fires then is of no use."""
 SETTLE_EXCHANGES = 4
 """Exchanges in which an answer may still tell of the time before."""
+ATTEMPTS = 3
 REPORT_SECONDS = 0.030
 """What a report may take beyond the timeout: heartbeats come every 10 ms."""
+
+
+def prove_at_opening(device: Device) -> None:
+    """Let the watchdog of a device that may push fire, at zero torque, before it gets any force.
+
+    Nothing in a file and nothing that was true yesterday says that it will today. A machine too
+    busy to feed it gets some more attempts.
+
+    Raises:
+        DeviceError: it does not fire, or fires while it is fed.
+    """
+    timeout = device.watchdog.timeout
+    if device.permission is None or device.in_process or timeout is None:
+        return
+    if timeout > LONGEST_WATCHDOG or not device.driver.shares_port:
+        return  # no watchdog worth the name; or a maker's driver, which has proved it by itself
+    for attempt in range(ATTEMPTS):
+        try:
+            prove_watchdog(device)
+        except WatchdogTooEarly:
+            if attempt == ATTEMPTS - 1:
+                raise
+        else:
+            return
+
+
+class WatchdogTooEarly(DeviceError):
+    """A watchdog fired while it was fed."""
 
 
 def prove_watchdog(device: Device) -> WatchdogProof:
@@ -50,6 +79,7 @@ def prove_watchdog(device: Device) -> WatchdogProof:
         for call in (driver.send_zero, driver.leave):
             with suppress(DeviceError):
                 call()
+    driver.watchdog_seen = timeout
     return WatchdogProof(
         date=datetime.now(UTC).date().isoformat(),
         timeout=timeout,
@@ -64,7 +94,7 @@ def _feed(driver: Driver, timeout: float) -> None:
         if count < SETTLE_EXCHANGES:
             continue
         if received.watchdog_fired:
-            raise DeviceError(
+            raise WatchdogTooEarly(
                 f"the watchdog of {driver.name} fires while it is fed: its timeout is not the "
                 f"{timeout * 1e3:.0f} ms of the device file, or this machine was too busy to "
                 "feed it; try again"

@@ -20,17 +20,15 @@ from typing import Any
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
-PROOF = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.03}
 QUANSER_HOME = [2.2873, 0.8543]
 DRIVE = {"torque_constant": 0.0364, "amplifier": 0.5}
 FILES: dict[str, dict[str, Any]] = {
     "haply": {"home": [2.4, 0.9], "estop": "confirmed"},
-    "cobs": {"home": QUANSER_HOME, "watchdog_proof": PROOF},
+    "cobs": {"home": QUANSER_HOME},
     "odrive": {
         "home": QUANSER_HOME,
         "joints": [{"counts_per_turn": 8192}] * 2,
         "settings": {"watchdog": {"timeout": 0.02}},
-        "watchdog_proof": PROOF,
     },
     "canopen": {
         "home": QUANSER_HOME,

@@ -10,7 +10,8 @@ from tests.support.hil.motors.told import Told
 NODES = (0, 1)
 HEARTBEAT, SET_STATE, ESTIMATES, SET_TORQUE = 0x01, 0x07, 0x09, 0x0E
 IDLE, CLOSED_LOOP = 1, 8
-HEARTBEAT_TICKS = 10
+CLEAR_ERRORS, WATCHDOG_EXPIRED = 0x18, 0x01000000
+HEARTBEAT_TICKS, WATCHDOG_TICKS = 10, 20
 
 
 class Odrive:
@@ -20,13 +21,20 @@ class Odrive:
         self.lines = Lines()
         self.state = dict.fromkeys(NODES, IDLE)
         self.input = dict.fromkeys(NODES, 0.0)
+        self.error = dict.fromkeys(NODES, 0)
+        self.silence = dict.fromkeys(NODES, 0)
         self.ticks = 0
 
     def feed(self, data: bytes) -> list[Told]:
         found = []
         for identifier, content in self.lines.frames(data):
             node, command = identifier >> 5, identifier & 0x1F
-            if node not in NODES or command not in {SET_STATE, SET_TORQUE}:
+            if node not in NODES:
+                continue
+            self.silence[node] = 0
+            if command == CLEAR_ERRORS:
+                self.error[node] = 0
+            if command not in {SET_STATE, SET_TORQUE}:
                 continue
             if command == SET_STATE:
                 (self.state[node],) = struct.unpack("<I", content)
@@ -37,11 +45,18 @@ class Odrive:
 
     def tick(self) -> list[Told]:
         self.ticks += 1
+        for node in NODES:
+            self.silence[node] += 1
+            if self.state[node] == CLOSED_LOOP and self.silence[node] > WATCHDOG_TICKS:
+                self.state[node], self.error[node] = IDLE, WATCHDOG_EXPIRED
         answer = b"".join(line(node << 5 | ESTIMATES, bytes(8)) for node in NODES)
         found = [Told(answer=answer)]
         if self.ticks % HEARTBEAT_TICKS == 0:
             beats = [
-                line(node << 5 | HEARTBEAT, struct.pack("<IBBBB", 0, self.state[node], 0, 0, 0))
+                line(
+                    node << 5 | HEARTBEAT,
+                    struct.pack("<IBBBB", self.error[node], self.state[node], 0, 0, 0),
+                )
                 for node in NODES
             ]
             found.append(Told(answer=b"".join(beats), zero=set(self.state.values()) == {IDLE}))
