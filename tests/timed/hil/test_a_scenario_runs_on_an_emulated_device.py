@@ -30,7 +30,7 @@ TICKS = 1639
 FREE_TICKS = 1000
 COUNT = 2 * np.pi / 20000
 RUN = ("run", "two_users_box", "--duration", DURATION, "--set", "expect=~", "--no-figure", "--json")
-LIMITS = {"torque": 0.25, "continuous_torque": 0.2, "slew": 240.0, "tip_speed": 2.0}
+LIMITS = {"torque": 0.18, "continuous_torque": 0.18, "slew": 240.0, "tip_speed": 2.0}
 FINGER, WORKSTATION = "finger_a1", "vr_a"
 
 
