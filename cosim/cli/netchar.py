@@ -251,6 +251,10 @@ def _table(found: Characteristics, facts: dict[str, Any]) -> str:
         lines.append(("Came too late", f"{found.late} packets, given up before; not lost"))
     if found.late_replies:
         lines.append(("Late replies", f"{found.late_replies}, to an earlier measurement's packets"))
+    if found.unsent:
+        lines.append(
+            ("Not sent here", f"{found.unsent} packets (a full queue, no route); not lost")
+        )
     if found.late_sends:
         lines.append(("Sent late here", f"{found.late_sends} packets (a busy computer)"))
     width = max(len(name) for name, _ in lines)

@@ -117,6 +117,8 @@ class NetworkMeasurement:
         self.duplicates = self.forged = self.reordered = 0
         self.capped = 0
         """Packets that came to the other side and were not relayed because of its caps."""
+        self.unsent = 0
+        """Packets that this computer could not send: a full queue, no route."""
         self.late_sends = 0
         """Packets sent more than half a period after their time."""
         self.first_sent = self.last_sent = 0
@@ -136,7 +138,7 @@ class NetworkMeasurement:
     @property
     def lost(self) -> int:
         """Packets that never came back, as far as those that were given up can tell."""
-        return max(0, self.pattern.losses - self.late)
+        return max(0, self.pattern.losses - self.late - self.unsent)
 
     def sent(self, now: int) -> None:
         """A packet left at ``now``, later than the one before."""

@@ -126,7 +126,7 @@ class Probe:
             PROBE.pack_into(plain, 0, now)
             self._sealer.seal(PacketKind.PROBE, 0, plain, datagram)
             result.sent(now)
-            self._transport.send(datagram)
+            result.unsent += not self._transport.send(datagram)
             self._collect(result, now)
             if progress is not None and now >= next_progress:
                 next_progress = now + 250_000_000

@@ -68,7 +68,8 @@ def search_rate(
 
 def _judge(rate: float, measurement: NetworkMeasurement, loss: float) -> tuple[Trial, str]:
     span = (measurement.last_sent - measurement.first_sent) * 1e-9
-    sent_rate = (measurement.count - 1) / span if span > 0.0 else rate
+    sent = measurement.count - measurement.unsent
+    sent_rate = (sent - 1) / span if span > 0.0 else rate
     lost = (measurement.lost - measurement.capped) / max(1, measurement.count)
     why = ""
     if sent_rate < 0.95 * rate:

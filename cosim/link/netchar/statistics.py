@@ -54,7 +54,7 @@ class Loss:
     forward: int
     backward: int
     bursts: dict[int, int]
-    """Length in packets -> how often; empty where the relay's caps made gaps of their own."""
+    """Length in packets -> how often; empty where caps or the own queue made gaps of their own."""
     gilbert_elliott: BurstyLoss | None
     """``None`` where losses come singly, as from independent draws, or are too few to tell."""
 
@@ -85,6 +85,8 @@ class Characteristics:
     late_replies: int
     """Replies to packets of an earlier measurement, which that one had counted as lost."""
     kept_one_in: int
+    unsent: int
+    """Packets that the own computer could not send: neither lost nor measured."""
     late_sends: int
     duration: float
     round_trip: Distribution | None
@@ -129,6 +131,7 @@ def characterise(measurement: NetworkMeasurement) -> Characteristics:
         late=measurement.late,
         late_replies=measurement.late_replies,
         kept_one_in=measurement.kept.stride,
+        unsent=measurement.unsent,
         late_sends=measurement.late_sends,
         duration=(measurement.last_sent - measurement.first_sent) * 1e-9,
         round_trip=trips,
@@ -168,19 +171,21 @@ def _seconds(nanoseconds: Times) -> Floats:
 
 
 def _loss(measurement: NetworkMeasurement) -> Loss:
-    # Which ones the caps kept back is not known, only how many.
+    # Which ones the caps or the own queue kept back is not known, only how many.
     capped = min(measurement.capped, measurement.lost)
+    whole = not capped and not measurement.unsent
     packets = measurement.lost - capped
     # Number and count of the first and last echo say how many between them never got there.
     forward = 0
     if measurement.relay_first is not None:
         (first, count_first), (last, count_last) = measurement.relay_first, measurement.relay_last
-        forward = min(packets, max(0, (last - first) - (count_last - count_first) - capped))
+        kept_back = capped + measurement.unsent
+        forward = min(packets, max(0, (last - first) - (count_last - count_first) - kept_back))
     return Loss(
         packets=packets,
         fraction=packets / max(1, measurement.count),
         forward=forward,
         backward=packets - forward,
-        bursts={} if capped else measurement.pattern.bursts,
-        gilbert_elliott=None if capped else fit_bursts(measurement.pattern),
+        bursts=measurement.pattern.bursts if whole else {},
+        gilbert_elliott=fit_bursts(measurement.pattern) if whole else None,
     )

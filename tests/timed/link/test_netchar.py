@@ -356,6 +356,28 @@ def test_packets_without_end_keep_nobody_from_the_clock() -> None:
         assert found.forged > 0
 
 
+class Full(socket.socket):
+    """A socket whose queue takes only every other packet."""
+
+    calls = 0
+
+    def send(self, datagram, *_rest) -> int:
+        self.calls += 1
+        if self.calls % 2:
+            raise BlockingIOError
+        return len(datagram)
+
+
+def test_what_this_computer_could_not_send_is_not_called_lost() -> None:
+    with Full(socket.AF_INET, socket.SOCK_DGRAM) as link:
+        link.bind(("127.0.0.1", 0))
+        link.setblocking(False)
+        probe, session = Probe(link, KEY), Session(Relay(KEY, Caps()))
+        probe.converse(session.asker.current.keys)
+        found = characterise(probe.measure(rate=1000, duration=0.02, wait=0.0))
+    assert (found.sent, found.unsent, found.loss.packets) == (20, 10, 10)
+
+
 @pytest.mark.parametrize("value", ["nan", "0", "-1", "inf"])
 def test_a_cap_that_cannot_be_is_refused_by_the_command(value: str) -> None:
     for name in ("--max-rate", "--max-duration"):
