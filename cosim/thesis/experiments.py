@@ -75,11 +75,18 @@ def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
     from cosim.run import run_scenario
 
     try:
-        finished = run_scenario(load_tuned(file, (), sets), folder, figure=False)
+        finished = run_scenario(load_tuned(bundled_file(file), (), sets), folder, figure=False)
     except CohapticError as error:
         return Ran(name, folder, {}, str(error))
     failure = str(finished.error) if finished.error is not None else ""
     return Ran(name, folder, finished.summary.content, failure)
+
+
+def bundled_file(name: str) -> str:
+    """The bundled scenario of that name, whatever else is called so in the working folder."""
+    from cosim.scenario.source.find import bundled_folder
+
+    return str(bundled_folder() / f"{name}.yaml") if name.startswith("thesis/") else name
 
 
 def _pool(workers: int | None, tasks: int) -> ProcessPoolExecutor:

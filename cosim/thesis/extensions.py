@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from cosim.thesis.statements import Evidence, Statement, experiments
+from cosim.thesis.statements import (
+    Evidence,
+    Statement,
+    ablation,
+    both_copies,
+    experiments,
+    server,
+)
 
 _FUTURE = "9"
 
@@ -18,6 +25,33 @@ EXTENSIONS: tuple[Statement, ...] = (
         ),
         "Every copy hears every other station. Each further user adds couplers that hold the "
         "copies together, so that the theory's radius falls with their number (the figure below).",
+        ablations=(
+            ablation(
+                "three_users",
+                "three_users",
+                "nothing between the copies: K_12 = K_o = B_o = 0",
+                *(
+                    f"components.vr_{station}.parameters.{name}=0"
+                    for station in "abc"
+                    for name in (
+                        "coupling_stiffness",
+                        "coupling_damping",
+                        "remote_normal_stiffness",
+                        "remote_tangential_stiffness",
+                    )
+                ),
+            ),
+            ablation(
+                "four_users",
+                "four_users",
+                "smooth fingers: friction 0",
+                *(
+                    f"components.vr_{station}.parameters.{name}=0"
+                    for station in "abcd"
+                    for name in ("static_friction", "kinetic_friction")
+                ),
+            ),
+        ),
     ),
     Statement(
         "deformable",
@@ -25,6 +59,14 @@ EXTENSIONS: tuple[Statement, ...] = (
         "The same grasp carries a soft object: 3 x 3 masses with springs in place of the box.",
         (Evidence("grasp_deformable", "deformable", "mass-spring square, n = 1"),),
         "The copies are pulled together as wholes; their dents follow from each copy's fingers.",
+        ablations=(
+            ablation(
+                "grasp_deformable",
+                "deformable",
+                "smooth fingers: friction 0",
+                *both_copies(static_friction=0, kinetic_friction=0),
+            ),
+        ),
     ),
     Statement(
         "time-domain-passivity",
@@ -38,6 +80,15 @@ EXTENSIONS: tuple[Statement, ...] = (
         "It does not make the loop stable: it damps what has become active. With an unlimited "
         "reserve the energy that the users have put in pays for the oscillation, and the ripple "
         "stays above 0.5 N.",
+        ablations=(
+            ablation(
+                "grasp_centralized_passive",
+                "passive",
+                "without the controller",
+                "components.client.parameters.passivity=none",
+                *server(passivity="none"),
+            ),
+        ),
     ),
     Statement(
         "wave-variables",
@@ -50,6 +101,15 @@ EXTENSIONS: tuple[Statement, ...] = (
         ),
         "The price is paid in softness: in steady contact the server's image lags the hand by "
         "force times delay over the wave impedance.",
+        ablations=(
+            ablation(
+                "grasp_centralized_wave",
+                "wave",
+                "positions and forces",
+                "components.client.parameters.force_channel=plain",
+                *server(force_channel="plain"),
+            ),
+        ),
     ),
     Statement(
         "deadband",
@@ -57,6 +117,9 @@ EXTENSIONS: tuple[Statement, ...] = (
         "A Weber deadband of a tenth saves packets, and the grasp is as steady (Hinterseer et al., "
         "2008).",
         (Evidence("grasp_deadband", "deadband", "k = 0.1, content of 1280 packets renewed"),),
+        ablations=(
+            ablation("grasp_deadband", "deadband", "without a deadband", *both_copies(deadband=0)),
+        ),
     ),
 )
 

@@ -1,7 +1,10 @@
 """What chapter 8 of the thesis says, and which expectations of which scenarios decide it.
 
-A statement names labels of ``expect:`` entries in ``scenarios/thesis``. It is agreed with when all
-of them hold, disagreed with when one that was measured does not, and undecided otherwise.
+A statement names labels of ``expect:`` entries in ``scenarios/thesis``, and ablations: the same
+runs without what the statement says matters, in which the same expectations must not hold. It is
+agreed with when all evidence holds and every ablation fails, disagreed with when evidence that was
+measured does not hold, and cannot be decided otherwise: where an ablation passes, the limits would
+have been met anyway.
 """
 
 from __future__ import annotations
@@ -23,14 +26,48 @@ class Evidence:
 
 
 @dataclass(frozen=True, slots=True)
+class Ablation:
+    """A run of the evidence without what matters: the label's expectations must not all hold."""
+
+    name: str
+    evidence: Evidence
+    sets: tuple[str, ...]
+
+
+def ablation(scenario: str, label: str, meaning: str, *sets: str, number: int = 1) -> Ablation:
+    """One that is called after its scenario."""
+    name = f"{scenario}_without" + (f"_{number}" if number > 1 else "")
+    return Ablation(name, Evidence(scenario, label, meaning), sets)
+
+
+def both_copies(**values: float | str) -> tuple[str, ...]:
+    """Overrides of both distributed workstations."""
+    return tuple(
+        f"components.vr_{which}.parameters.{name}={value}"
+        for which in "ab"
+        for name, value in values.items()
+    )
+
+
+def server(**values: float | str) -> tuple[str, ...]:
+    """Overrides of the central server."""
+    return tuple(f"components.server.parameters.{name}={value}" for name, value in values.items())
+
+
+@dataclass(frozen=True, slots=True)
 class Statement:
-    """One claim of the thesis in our words, with its section and what decides it."""
+    """One claim of the thesis in our words, with its section and what decides it.
+
+    ``undecidable`` says why no simulation can decide it; empty where one can.
+    """
 
     name: str
     section: str
     claim: str
     evidence: tuple[Evidence, ...]
     remark: str = ""
+    ablations: tuple[Ablation, ...] = ()
+    undecidable: str = ""
 
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -42,6 +79,14 @@ STATEMENTS: tuple[Statement, ...] = (
         (Evidence("grasp_centralized", "instability", "force ripple of the worst contact"),),
         "The single-axis theory has ρ = 1.20 at n = 1. With relaxed hands (100 N/m, 3 N·s/m) the "
         "remote fingers run into a limit cycle: its rms is the ripple.",
+        ablations=(
+            ablation(
+                "grasp_centralized",
+                "instability",
+                "n = 0, where the theory has 0.965",
+                "channels.lan.round_trip_delay=0",
+            ),
+        ),
     ),
     Statement(
         "distributed-grasps",
@@ -51,6 +96,31 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("grasp_distributed", "grasp", "n = 1"),
             Evidence("grasp_distributed_n0", "grasp", "n = 0"),
             Evidence("grasp_distributed_n2", "grasp", "n = 2"),
+            Evidence("grasp_distributed_apart", "together", "n = 1, users who want other things"),
+        ),
+        "Users who want the same carry the box whatever is between the stations (n = 16, 70 % "
+        "loss, K_12 = K_o = 0): what the controller does shows where they want other things.",
+        ablations=(
+            ablation(
+                "grasp_distributed_apart",
+                "together",
+                "nothing between the copies: K_12 = K_o = B_o = 0",
+                *both_copies(
+                    coupling_stiffness=0,
+                    coupling_damping=0,
+                    remote_normal_stiffness=0,
+                    remote_tangential_stiffness=0,
+                ),
+            ),
+            *(
+                ablation(
+                    f"grasp_distributed{delay}",
+                    "grasp",
+                    "smooth fingers: friction 0",
+                    *both_copies(static_friction=0, kinetic_friction=0),
+                )
+                for delay in ("", "_n0", "_n2")
+            ),
         ),
     ),
     Statement(
@@ -62,12 +132,35 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("grasp_centralized", "instability", "relaxed hands: it oscillates"),
             Evidence("grasp_centralized_firm_hand", "damped_hand", "firm, damped hands: it holds"),
         ),
+        ablations=(
+            ablation(
+                "grasp_centralized_firm_hand",
+                "damped_hand",
+                "relaxed hands",
+                *(
+                    f"components.operator_{finger}.parameters.impedance=relaxed"
+                    for finger in ("a1", "a2", "b1", "b2")
+                ),
+            ),
+        ),
     ),
     Statement(
         "softer-is-stable",
         "8.1",
         "Softer couplers for the user across the network avoid the instability.",
         (Evidence("grasp_centralized_soft", "softer", "170 N/m in place of 800 N/m"),),
+        ablations=(
+            ablation(
+                "grasp_centralized_soft",
+                "softer",
+                "the local user's couplers for the remote one",
+                *server(
+                    remote_normal_stiffness=800,
+                    remote_tangential_stiffness=1200,
+                    remote_tangential_damping=10,
+                ),
+            ),
+        ),
     ),
     Statement(
         "softer-is-felt",
@@ -77,6 +170,22 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("wall_push_centralized_remote", "soft_contact", "remote user against a wall"),
             Evidence("wall_push_centralized_local", "stiff_contact", "user at the server"),
         ),
+        ablations=(
+            ablation(
+                "wall_push_centralized_local",
+                "stiff_contact",
+                "as soft as the remote user's coupler",
+                *server(local_normal_stiffness=170),
+                number=1,
+            ),
+            ablation(
+                "wall_push_centralized_remote",
+                "soft_contact",
+                "as stiff as the local user's coupler",
+                *server(remote_normal_stiffness=800),
+                number=1,
+            ),
+        ),
     ),
     Statement(
         "ideal-force",
@@ -84,6 +193,7 @@ STATEMENTS: tuple[Statement, ...] = (
         "Ideally the forces on the object add up to the inertial force of its motion; the local "
         "user of the centralized controller comes to it.",
         (Evidence("free_motion_local", "local", "net force, inertial force 0.080 N"),),
+        ablations=(ablation("free_motion_local", "local", "twice the mass", *server(mass=0.8)),),
     ),
     Statement(
         "uncompensated-force",
@@ -91,6 +201,11 @@ STATEMENTS: tuple[Statement, ...] = (
         "Uncompensated, the distributed user has to apply a noticeably larger force for the same "
         "motion, by the damping that the network adds.",
         (Evidence("free_motion", "uncompensated", "net force, predicted 0.347 N at n = 1"),),
+        ablations=(
+            ablation(
+                "free_motion", "uncompensated", "compensated", *both_copies(compensation="auto")
+            ),
+        ),
     ),
     Statement(
         "compensated-force",
@@ -103,6 +218,20 @@ STATEMENTS: tuple[Statement, ...] = (
         "The added damping is gone; what remains above 0.080 N is inertia: two copies of the box "
         "are moved, each with the whole mass. The printed -0.88 N·s/m is half of the null at n = 1 "
         "for our couplers.",
+        ablations=(
+            ablation(
+                "free_motion_compensated",
+                "compensated",
+                "uncompensated",
+                *both_copies(compensation="~"),
+            ),
+            ablation(
+                "free_motion_printed",
+                "printed",
+                "uncompensated",
+                *(f"components.vr_{w}.parameters.compensation.y=0" for w in "ab"),
+            ),
+        ),
     ),
     Statement(
         "users-notice",
@@ -112,8 +241,9 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("free_motion", "uncompensated", "net force without"),
             Evidence("free_motion_compensated", "compensated", "net force with"),
         ),
-        "Perception is not simulated. The force changes by half; differences in force of about a "
-        "tenth are perceptible, so the change is one that users can notice.",
+        "The force changes by half; differences in force of about a tenth are perceptible, so that "
+        "users could notice it.",
+        undecidable="Perception is not simulated, and no limit of ours could tell.",
     ),
     Statement(
         "stiffer-contact",
@@ -125,6 +255,28 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("wall_push_centralized_local", "stiff_contact", "centralized, local"),
             Evidence("wall_push_centralized_remote", "soft_contact", "centralized, remote"),
         ),
+        ablations=(
+            ablation(
+                "wall_push_distributed",
+                "stiff_contact",
+                "as soft as the remote user's coupler",
+                *both_copies(local_normal_stiffness=170),
+            ),
+            ablation(
+                "wall_push_centralized_local",
+                "stiff_contact",
+                "as soft as the remote user's coupler",
+                *server(local_normal_stiffness=170),
+                number=2,
+            ),
+            ablation(
+                "wall_push_centralized_remote",
+                "soft_contact",
+                "as stiff as the local user's coupler",
+                *server(remote_normal_stiffness=800),
+                number=2,
+            ),
+        ),
     ),
     Statement(
         "moment-cancellation",
@@ -133,6 +285,14 @@ STATEMENTS: tuple[Statement, ...] = (
         (
             Evidence("rigid_contact", "no_impulses", "without impulses"),
             Evidence("rigid_contact_cancelled", "impulses", "with impulses"),
+        ),
+        ablations=(
+            ablation(
+                "rigid_contact_cancelled",
+                "impulses",
+                "without impulses",
+                "components.vr_a.parameters.moment_cancellation=false",
+            ),
         ),
     ),
     Statement(
@@ -143,6 +303,10 @@ STATEMENTS: tuple[Statement, ...] = (
             Evidence("grasp_distributed_lan_2006", "grasp", "the LAN of table 1.1"),
             Evidence("grasp_distributed_lossy", "grasp", "20 % loss and jitter on top"),
         ),
+        ablations=(
+            ablation("grasp_distributed_lan_2006", "grasp", "97 % loss", "channels.lan.loss=0.97"),
+            ablation("grasp_distributed_lossy", "grasp", "97 % loss", "channels.lan.loss=0.97"),
+        ),
     ),
 )
 
@@ -152,6 +316,17 @@ def experiments(statements: Sequence[Statement]) -> tuple[str, ...]:
     return tuple(
         dict.fromkeys(item.scenario for statement in statements for item in statement.evidence)
     )
+
+
+def ablation_runs(
+    statements: Sequence[Statement],
+) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """The ablations' runs by name: file and overrides."""
+    return {
+        each.name: (f"thesis/{each.evidence.scenario}", each.sets)
+        for statement in statements
+        for each in statement.ablations
+    }
 
 
 EXPERIMENTS = experiments(STATEMENTS)
@@ -178,18 +353,22 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Decided:
-    """A statement with its evidence."""
+    """A statement with its evidence, and with the ablations that had to fail."""
 
     statement: Statement
     measured: tuple[Measured, ...]
+    ablated: tuple[Measured, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
-        """Agree where all evidence holds, disagree where some does not, else undecided."""
+        """Agree where all evidence holds and every ablation fails it."""
+        if self.statement.undecidable:
+            return "cannot be decided"
         passed = [item.passed for item in self.measured]
         if any(value is False for value in passed):
             return "disagree"
-        return "agree" if passed and all(passed) else "cannot be decided"
+        could_fail = bool(self.ablated) and all(item.passed is False for item in self.ablated)
+        return "agree" if passed and all(passed) and could_fail else "cannot be decided"
 
 
 def decide(
@@ -197,22 +376,18 @@ def decide(
     failures: Mapping[str, str],
     statements: Sequence[Statement] = STATEMENTS,
 ) -> Sequence[Decided]:
-    """Hold statements against the summaries of the runs (by scenario name)."""
+    """Hold statements against the summaries of the runs (by scenario name, or ablation's)."""
+
+    def measured(evidence: Evidence, run: str) -> Measured:
+        entries = summaries.get(run, {}).get("expectations", ())
+        found = tuple(entry for entry in entries if entry["label"] == evidence.label)
+        return Measured(evidence, found, failures.get(run, ""))
+
     return [
         Decided(
             statement,
-            tuple(
-                Measured(
-                    evidence,
-                    tuple(
-                        entry
-                        for entry in summaries.get(evidence.scenario, {}).get("expectations", ())
-                        if entry["label"] == evidence.label
-                    ),
-                    failures.get(evidence.scenario, ""),
-                )
-                for evidence in statement.evidence
-            ),
+            tuple(measured(evidence, evidence.scenario) for evidence in statement.evidence),
+            tuple(measured(each.evidence, each.name) for each in statement.ablations),
         )
         for statement in statements
     ]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.recording import MemorySink
+from cosim.thesis.experiments import bundled_file
 
 SETTLED = 2.0
 """All fingers have touched the box and squeeze it from here on (s)."""
@@ -105,6 +106,6 @@ def _run(file: str, sets: Sequence[str]) -> MemorySink:
     from cosim.master.run.simulation import assemble
 
     sink = MemorySink()
-    with assemble(load_tuned(file, (), sets)) as simulation:
+    with assemble(load_tuned(bundled_file(file), (), sets)) as simulation:
         simulation.run(sink)
     return sink

@@ -19,7 +19,7 @@ from cosim.thesis.findings import FINDINGS, BeyondPart
 from cosim.thesis.free_motions import DELAYS as PREDICTED_DELAYS
 from cosim.thesis.free_motions import PREDICTORS, REALISM, prediction
 from cosim.thesis.page import write_page
-from cosim.thesis.statements import decide
+from cosim.thesis.statements import ablation_runs, decide
 from cosim.thesis.trials import Motion, Steadiness, free_motion
 from tests.support.thesis.single_axis import net_force_amplitude
 
@@ -27,9 +27,11 @@ from tests.support.thesis.single_axis import net_force_amplitude
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
     folder = tmp_path_factory.mktemp("beyond")
+    wanted = {name: (f"thesis/{name}", ()) for name in EXTENSION_EXPERIMENTS}
+    wanted |= ablation_runs(EXTENSIONS)
     return {
-        name: run_one(name, f"thesis/{name}", (), folder / name).summary
-        for name in EXTENSION_EXPERIMENTS
+        name: run_one(name, file, sets, folder / name).summary
+        for name, (file, sets) in wanted.items()
     }
 
 

@@ -15,7 +15,7 @@ from cosim.scenario import load
 from cosim.thesis.experiments import run_one
 from cosim.thesis.figures import FIGURES, draw_figures
 from cosim.thesis.page import write_page
-from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, decide
+from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, ablation_runs, decide
 from tests.support.thesis.single_axis import net_force_amplitude
 
 NET_FORCE = "vr_a.finger_1.normal_force - vr_b.finger_1.normal_force"
@@ -30,7 +30,10 @@ def entry(summary, target, label):
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("thesis")
-    return {name: run_one(name, f"thesis/{name}", (), folder / name) for name in EXPERIMENTS}
+    found = {name: run_one(name, f"thesis/{name}", (), folder / name) for name in EXPERIMENTS}
+    for name, (file, sets) in ablation_runs(STATEMENTS).items():
+        found[name] = run_one(name, file, sets, folder / name)
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -39,11 +42,37 @@ def summaries(runs):
 
 
 @pytest.mark.timeout(600)
-def test_every_statement_is_agreed_with(summaries):
+def test_every_statement_is_agreed_with_that_a_simulation_can_decide(summaries):
     decided = decide(summaries, {})
     assert {item.statement.name: item.verdict for item in decided} == {
-        statement.name: "agree" for statement in STATEMENTS
+        statement.name: "cannot be decided" if statement.undecidable else "agree"
+        for statement in STATEMENTS
     }
+    assert [item.statement.name for item in decided if item.statement.undecidable] == [
+        "users-notice"
+    ]
+
+
+def test_each_ablation_fails_its_statement(summaries):
+    for item in decide(summaries, {}):
+        for ablated in item.ablated:
+            assert ablated.passed is False, (item.statement.name, ablated.evidence)
+
+
+def test_limits_that_an_ablation_meets_as_well_decide_nothing(summaries):
+    harmless = {
+        name: summaries.get(name.partition("_without")[0], summary)
+        for name, summary in summaries.items()
+    }
+    verdicts = {item.statement.name: item.verdict for item in decide(harmless, {})}
+    assert verdicts["centralized-unstable"] == "cannot be decided"
+
+
+def test_a_folder_called_thesis_does_not_hide_the_bundled_scenarios(tmp_path, monkeypatch):
+    (tmp_path / "thesis" / "rigid_contact").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    ran = run_one("rigid_contact", "thesis/rigid_contact", (), tmp_path / "out")
+    assert ran.failure == ""
 
 
 @pytest.mark.parametrize(
@@ -104,4 +133,6 @@ def test_a_statement_without_a_run_is_not_decided_and_one_that_fails_is_disagree
         }
         for name in EXPERIMENTS
     }
-    assert {item.verdict for item in decide(failing, {})} == {"disagree"}
+    assert {item.verdict for item in decide(failing, {}) if not item.statement.undecidable} == {
+        "disagree"
+    }
