@@ -3,7 +3,7 @@
  * Plain C11, no allocation, no operating system. You bring the clock, the encoders and the motors:
  *
  *   device_init(&device);
- *   for (;;) {                                  // or: in the USB receive interrupt
+ *   for (;;) {
  *       size_t n = device_receive(&device, byte, now_us, count, reply);   // a byte at a time
  *       if (n) usb_write(reply, n);             // a whole frame was answered
  *       device_tick(&device, now_us);           // at least every millisecond: the watchdog
