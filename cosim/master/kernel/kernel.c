@@ -28,6 +28,21 @@ static bool record(Record *target, const Cell *cells, const int32_t *columns, in
     return true;
 }
 
+/* A foreign FMU may change how the processor computes, mostly in its first calls. Looking costs more
+   than a small FMU's step, so that after some ticks it is done once a tick; who was found to change
+   it is looked at after every call from then on. */
+static void look_at_mode(Kernel *kernel)
+{
+    if (kernel_restore_float_mode(kernel->float_mode))
+        kernel->careful = INT64_MAX;
+}
+
+static void guard(Kernel *kernel, const Instance *instance)
+{
+    if (kernel->careful && instance->foreign)
+        look_at_mode(kernel);
+}
+
 /* Runs the rest of the current program. */
 static Outcome execute(Kernel *kernel)
 {
@@ -54,21 +69,18 @@ static Outcome execute(Kernel *kernel)
         case KIND_SET:
             instance = &kernel->instances[op->owner];
             outcome = set_values(kernel, op, instance->instance, &instance->warnings);
-            if (instance->foreign)
-                kernel_restore_float_mode(kernel->float_mode);
+            guard(kernel, instance);
             break;
         case KIND_GET_FLOAT64:
         case KIND_GET:
             instance = &kernel->instances[op->owner];
             outcome = get_values(kernel, op, instance->instance, &instance->warnings);
-            if (instance->foreign)
-                kernel_restore_float_mode(kernel->float_mode);
+            guard(kernel, instance);
             break;
         case KIND_STEP:
             instance = &kernel->instances[op->owner];
             outcome = do_step(kernel, instance);
-            if (instance->foreign)
-                kernel_restore_float_mode(kernel->float_mode);
+            guard(kernel, instance);
             break;
         case KIND_CALL:
             outcome = OUTCOME_CALL;
@@ -121,6 +133,10 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end)
         Outcome outcome = execute(kernel);
         if (outcome != OUTCOME_DONE)
             return outcome;
+        if (kernel->has_foreign)
+            look_at_mode(kernel);
+        if (kernel->careful && kernel->careful < INT64_MAX)
+            kernel->careful--;
         kernel->running = -1;
         kernel->tick++;
         if (++kernel->phase == kernel->hyperperiod)

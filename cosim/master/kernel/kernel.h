@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 5 };
+enum { KERNEL_ABI = 6 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -176,7 +176,9 @@ typedef struct {
     int64_t change_count;
     int64_t next_change;
 
-    int64_t float_mode; /* how the processor has to compute */
+    int64_t float_mode;  /* how the processor has to compute */
+    int64_t has_foreign; /* whether any instance may change that */
+    int64_t careful;     /* ticks for which it is looked at after every call, then once a tick */
 
     int64_t tick;     /* the tick that is running, or the next one */
     int64_t phase;    /* tick modulo hyperperiod */

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 5
+ABI = 6
 
 
 class KernelOutcome(IntEnum):
@@ -192,6 +192,8 @@ class KernelStruct(ctypes.Structure):
         ("change_count", c_int64),
         ("next_change", c_int64),
         ("float_mode", c_int64),
+        ("has_foreign", c_int64),
+        ("careful", c_int64),
         ("tick", c_int64),
         ("phase", c_int64),
         ("running", c_int64),

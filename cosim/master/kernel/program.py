@@ -37,6 +37,8 @@ INITIAL = 0
 """The number of the program of initialisation mode."""
 
 _FIRST, _EVERY = 1, 2
+_CAREFUL_TICKS = 64
+"""For which every call of a foreign FMU is looked after; see ``kernel.c``."""
 _CALLS = {Act.READ: "read", Act.GET: "evaluate", Act.WRITE: "write", Act.STEP: "step"}
 
 
@@ -145,6 +147,8 @@ class Program:
                 not native.is_trusted,
                 0,
             )
+        self.kernel.has_foreign = any(not native.is_trusted for native in natives.values())
+        self.kernel.careful = _CAREFUL_TICKS if self.kernel.has_foreign else 0
         self.records: Any = (RecordStruct * max(len(columns), 1))()
         self._write_programs(plan)
 

@@ -23,12 +23,7 @@ from cosim.ssp.documents import read_valid
 from cosim.ssp.exporting import to_ssp
 
 FOLDER = bundled_folder()
-WHOLE = [
-    name
-    for name in bundled_names()
-    if not name.startswith(("presets/", "devices/"))
-    and "duration" in (FOLDER / f"{name}.yaml").read_text()
-]
+WHOLE = [name for name in bundled_names() if not name.startswith(("presets/", "devices/"))]
 SECONDS = "0.25"
 
 
