@@ -25,6 +25,8 @@ TRAIL = 1.5
 """Seconds that a trail goes back."""
 MARGIN = 0.03
 GRID = 0.05
+TITLE = 26
+"""Pixels that a title takes."""
 WEAK = 0.02
 """Force (N) from which there is an arrow."""
 FREE, FIRST_TOUCH, SLIDING = 0, 1, 3
@@ -35,24 +37,25 @@ Places = Sequence[Sequence[float]]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Middle of the picture (m), pixels in a metre, and the picture's size (pixels)."""
+    """Middle of the scene (m), pixels in a metre, the picture's size and its title's height."""
 
     x: float
     y: float
     scale: float
     size: tuple[int, int]
+    title: int = 0
 
     def at(self, point: Sequence[float]) -> Point:
         """The pixel of a place in the world; y is up there and down here."""
         width, height = self.size
         return (
             width / 2 + (point[0] - self.x) * self.scale,
-            height / 2 - (point[1] - self.y) * self.scale,
+            (height + self.title) / 2 - (point[1] - self.y) * self.scale,
         )
 
 
-def view_of(scene: Mapping[str, Any], poses: Poses, size: tuple[int, int]) -> View:
-    """A view that holds everything that moves, in all frames."""
+def view_of(scene: Mapping[str, Any], poses: Poses, size: tuple[int, int], title: int = 0) -> View:
+    """A view that holds everything that moves, in all frames, below a title of some pixels."""
     places: list[NDArray[np.float64]] = []
     for box in scene["boxes"]:
         found = poses.pair(box["pose"])
@@ -72,9 +75,9 @@ def view_of(scene: Mapping[str, Any], poses: Poses, size: tuple[int, int]) -> Vi
     every = np.concatenate(places) if places else np.array([[-0.2, -0.2], [0.2, 0.2]])
     every = every[np.isfinite(every).all(axis=1)]
     low, high = every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
-    scale = min(size[0] / (high[0] - low[0]), size[1] / (high[1] - low[1]))
+    scale = min(size[0] / (high[0] - low[0]), (size[1] - title) / (high[1] - low[1]))
     middle = (low + high) / 2
-    return View(float(middle[0]), float(middle[1]), float(scale), size)
+    return View(float(middle[0]), float(middle[1]), float(scale), size, title)
 
 
 class Painter:
@@ -94,7 +97,7 @@ class Painter:
         self._size = size
         self._colours = colours(scheme)
         wide, high = (OVERSAMPLED * side for side in size)
-        self._view = view_of(scene, poses, (wide, high))
+        self._view = view_of(scene, poses, (wide, high), TITLE * OVERSAMPLED if title else 0)
         fonts: Any = import_module("PIL.ImageFont")
         self._font = fonts.load_default(13 * OVERSAMPLED)
         self._small = fonts.load_default(11 * OVERSAMPLED)
