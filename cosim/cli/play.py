@@ -81,6 +81,7 @@ def command(
             raise InputError("--again runs a take as it was: leave out --live-at and --duration.")
         _again(Path(scenario), overlays, sets, out)
     from cosim.cli.support.devices import refuse_without_devices, say
+    from cosim.cli.support.play_theory import radii
     from cosim.live.access import listening
     from cosim.live.control import PlayControl
     from cosim.live.knobs import places
@@ -110,6 +111,7 @@ def command(
                 control=control.path,
                 panels={station: ring.path for station, ring in rings.items()},
                 knobs=knobs,
+                theory=radii(loaded, knobs),
             )
         )
         address = server.address()

@@ -32,7 +32,7 @@ class ServerProcess:
 
     ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
     user), ``panels`` (by station) and ``control`` are the shared memory of ``cohaptic play``,
-    ``knobs`` what its pages may turn.
+    ``knobs`` what its pages may turn, ``theory`` what is known of them.
     """
 
     def __init__(
@@ -44,6 +44,7 @@ class ServerProcess:
         control: Path | None = None,
         panels: Mapping[str, Path] | None = None,
         knobs: Sequence[PageKnob] = (),
+        theory: Mapping[str, Any] | None = None,
     ) -> None:
         told = {
             "host": listen[0],
@@ -53,6 +54,7 @@ class ServerProcess:
             "control": None if control is None else str(control),
             "panels": {station: str(path) for station, path in (panels or {}).items()},
             "knobs": [asdict(knob) for knob in knobs],
+            "theory": theory,
         }
         self._process = subprocess.Popen(
             [sys.executable, "-m", "cosim.live.process", json.dumps(told)],
@@ -105,7 +107,8 @@ def main(told: Mapping[str, Any]) -> None:
         boxes = {user: Mailbox.attach(Path(path)) for user, path in told["mailboxes"].items()}
         rings = {station: Ring(Path(path)) for station, path in told["panels"].items()}
         knobs = [knob_of(knob) for knob in told["knobs"]]
-        seats = Seats(boxes, PlayControl.attach(Path(told["control"])), Panels(knobs, rings))
+        control = PlayControl.attach(Path(told["control"]))
+        seats = Seats(boxes, control, Panels(knobs, rings), told["theory"])
     settings = Serving(
         host=told["host"], port=told["port"], wanted=told["wanted"], play=seats is not None
     )

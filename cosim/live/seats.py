@@ -51,9 +51,11 @@ class Seats:
         mailboxes: Mapping[str, Mailbox],
         control: PlayControl,
         panels: Panels | None = None,
+        theory: Mapping[str, Any] | None = None,
     ) -> None:
         self._mailboxes = mailboxes
         self._panels = panels or Panels([], {})
+        self._theory = theory
         self._control = control
         self._held: dict[str, Viewer] = {}
         self._clocks: dict[str, _Clock] = {}
@@ -91,6 +93,7 @@ class Seats:
             "taken": sorted(self._held),
             "control": self._control.told(),
             "knobs": self._panels.told(),
+            "theory": self._theory,
         }
 
     def seen(self) -> dict[str, list[list[float]]]:

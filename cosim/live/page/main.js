@@ -6,7 +6,8 @@ import { Quantiles, delays, losses, packets, ripple, saturation } from "/measure
 import { Plots } from "/plots.js";
 import { STATES, Scene, label, mark } from "/scene.js";
 import { Store } from "/store.js";
-import { colours, onTheme, user } from "/theme.js";
+import { colours, onTheme } from "/theme.js";
+import { drawMap, radiusAt } from "/theory.js";
 
 const $ = (id) => document.getElementById(id);
 const PLOT_MS = 50;
@@ -160,6 +161,7 @@ function legend() {
 }
 onTheme(() => {
   if (run) legend();
+  if (seats) showTheory(seats);
   draw();
 });
 
@@ -285,6 +287,7 @@ function takeSeats(told) {
   $("pause").setAttribute("aria-pressed", paused);
   $("step").disabled = !paused;
   showKnobs(told.knobs);
+  showTheory(told);
 }
 
 function showKnobs(knobs) {
@@ -310,6 +313,17 @@ function showKnobs(knobs) {
     input.disabled = seats.user === null;
     input.nextElementSibling.textContent = `${knob.value} ${knob.unit}`;
   }
+}
+
+/** The radius at the present knobs, and the map around them. */
+function showTheory({ theory, knobs }) {
+  const values = Object.fromEntries(knobs.map((knob) => [knob.key, knob.value]));
+  $("theory").hidden = !theory || theory.axes.length < 2 || $("knobs").hidden;
+  if ($("theory").hidden) return;
+  const radius = radiusAt(theory, values);
+  $("radius").textContent = `spectral radius ${radius.toFixed(2)}: ${radius < 1 ? "stable" : "unstable"}`;
+  $("radius").dataset.value = radius;
+  drawMap($("map"), theory, values);
 }
 
 const control = (wish) => connection.say({ control: wish });
