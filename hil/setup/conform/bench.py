@@ -11,11 +11,13 @@ from hil.device.component import observe_rest
 from hil.device.contract import ZERO, Received
 from hil.device.device import Device
 from hil.device.driver import Driver
+from hil.device.errors import ActivationRefused
 from hil.safety.permission import Permission
 from hil.setup.address import DeviceAddress
 from hil.setup.calibrate.turner import Turner
 from hil.setup.conform.errors import NotTried
 from hil.setup.device_file import DeviceFile
+from hil.setup.watchdog_proof import prove_at_opening
 from hil.wire.side_channel import Control
 
 EXCHANGES = 24
@@ -52,13 +54,21 @@ class ConformBench:
 
     @contextmanager
     def active(self) -> Generator[Device]:
-        """The device, homed where it stands, seen at rest, and ACTIVE."""
+        """The device, homed where it stands, seen at rest, and ACTIVE.
+
+        Raises:
+            NotTried: it may not be active here: nothing would switch it off.
+        """
         with self.opened() as device:
+            prove_at_opening(device)
             if self.ask is not None and self.file.home is not None:
                 self.ask("Hold the handle at its home pose and press Enter: ")
             device.home()
             observe_rest(device)
-            device.activate()
+            try:
+                device.activate()
+            except ActivationRefused as refused:
+                raise NotTried(str(refused)) from None
             yield device
 
     def truth(self) -> dict[str, Any] | None:

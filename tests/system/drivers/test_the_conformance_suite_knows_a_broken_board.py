@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.cli import cli
 from hil.device.errors import ActivationRefused
-from hil.safety.permission import emulated
+from hil.safety.permission import ask, emulated
 from hil.setup.address import parse
 from hil.setup.calibrate.turner import EmulatedTurner
 from hil.setup.conform.bench import ConformBench
@@ -131,3 +131,13 @@ def test_a_broken_rule_is_status_1(tmp_path):
         done = invoke(board.url, "--only", "zero", "--yes")
     assert done.exit_code == 1
     assert "no answer confirmed zero torque" in done.stdout
+
+
+def test_a_real_board_without_a_watchdog_is_not_made_active_here(bench: Bench):
+    """No supervisor guards this command: the rule says so, and the board is not called broken."""
+    emulator = bench.emulator("haply")
+    made = on(emulator, "haply", SETUPS["haply"]["file"])
+    made.permission = ask("haply", [], lambda _: "enable")
+    (result,) = conform(made, chosen(["reset"]))
+    assert result.outcome is Conformity.NOT_TRIED
+    assert "no supervisor guards this process" in result.sentence

@@ -63,7 +63,7 @@ class LabDriver(Driver):
 
     @property
     def watchdog(self) -> Watchdog:
-        """Verified once ``cohaptic device check --enable-output`` has seen it fire."""
+        """Verified at each opening that is to have force: it is seen to fire."""
         return Watchdog(timeout=WATCHDOG, verified=self.watchdog_proved(WATCHDOG))
 
     @property
