@@ -5,6 +5,7 @@ The measured forces are also held against a computation that knows nothing of th
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,10 @@ from cosim.thesis.experiments import run_one
 from cosim.thesis.figures import FIGURES, draw_figures
 from cosim.thesis.page import write_page
 from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, ablation_runs, decide
+from cosim.thesis.table import with_table
 from tests.support.thesis.single_axis import net_force_amplitude
 
+PAGE = Path(__file__).parents[3] / "docs" / "experiments.md"
 NET_FORCE = "vr_a.finger_1.normal_force - vr_b.finger_1.normal_force"
 
 
@@ -136,3 +139,13 @@ def test_a_statement_without_a_run_is_not_decided_and_one_that_fails_is_disagree
     assert {item.verdict for item in decide(failing, {}) if not item.statement.undecidable} == {
         "disagree"
     }
+
+
+def test_the_page_of_the_docs_has_what_was_measured(summaries):
+    """Written with COHAPTIC_WRITE_DOCS=1."""
+    decided = decide(summaries, {})
+    page = PAGE.read_text(encoding="utf-8")
+    wanted = with_table(page, decided)
+    if os.environ.get("COHAPTIC_WRITE_DOCS"):
+        PAGE.write_text(wanted, encoding="utf-8")
+    assert PAGE.read_text(encoding="utf-8") == wanted
