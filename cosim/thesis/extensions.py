@@ -77,9 +77,9 @@ EXTENSIONS: tuple[Statement, ...] = (
             Evidence("grasp_centralized", "instability", "without"),
             Evidence("grasp_centralized_passive", "passive", "with, reserve 1 mJ"),
         ),
-        "It does not make the loop stable: it damps what has become active. With an unlimited "
-        "reserve the energy that the users have put in pays for the oscillation, and the ripple "
-        "stays above 0.5 N.",
+        "It does not make the loop stable: it damps what has become active. The ripple is 0.24, "
+        "0.21 and 0.27 N with limits of 5, 10 and 20 N·s/m, and 0.33 N with an unlimited reserve, "
+        "where the energy that the users have put in pays for the oscillation.",
         ablations=(
             ablation(
                 "grasp_centralized_passive",
