@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from cosim.live.server import LiveServer
 
 NICENESS = 5
-"""A loop on the same processor goes first."""
+"""A loop on the same processor goes first, and so does everything else; a hand does not wait."""
 
 
 class ServerProcess:
@@ -100,9 +100,10 @@ def main(told: Mapping[str, Any]) -> None:
     from cosim.live.server import LiveServer, Serving
     from cosim.realtime.ring import Ring
 
-    with suppress(OSError):
-        os.nice(NICENESS)
     seats = None
+    if told["control"] is None:
+        with suppress(OSError):
+            os.nice(NICENESS)
     if told["control"] is not None:
         boxes = {user: Mailbox.attach(Path(path)) for user, path in told["mailboxes"].items()}
         rings = {station: Ring(Path(path)) for station, path in told["panels"].items()}

@@ -26,6 +26,7 @@ let seats = null;
 let newest = null;
 let dirty = false;
 let drawn = 0;
+let drawing = 0; // ms that a picture takes
 let ages = new Quantiles();
 let chosen = null;
 let chosenNames = [];
@@ -47,7 +48,8 @@ const connection = new Connection(location.hash.slice(1), {
     ages.add(frame.age);
     scene.take(frame.time, frame.values);
     dirty = true;
-    if (performance.now() - drawn >= DRAW_MS && !document.hidden) draw();
+    // Not before the frame's turn where drawing takes long: messages would wait behind it.
+    if (performance.now() - drawn >= Math.max(DRAW_MS, 2 * drawing) && !document.hidden) draw();
   },
 });
 // For whoever measures on the page; nothing here reads it.
@@ -58,6 +60,7 @@ globalThis.cohaptic = {
   get run() { return run; },
   value: (name) => scene.value(name),
   latency: (share) => latency.at(share),
+  get drawing() { return drawing; },
 };
 const hand = new Hand($("scene"), scene, (message) => connection.say(message));
 
@@ -227,9 +230,11 @@ function readouts() {
 // --- drawing -------------------------------------------------------------------------------------
 
 function draw() {
+  const began = performance.now();
   scene.hand = hand.fingers;
   scene.draw();
   drawn = performance.now();
+  drawing += 0.2 * (drawn - began - drawing);
   dirty = false;
   if (!newest) return;
   $("clock").textContent = `${newest.time.toFixed(1)} s`;
@@ -251,7 +256,7 @@ let plotEvery = PLOT_MS;
 let read = 0;
 function frame(now) {
   hand.frame();
-  if (dirty || scene.hand) draw();
+  if (dirty || (scene.hand && now - drawn > DRAW_MS)) draw();
   if (newest && now - plotted >= plotEvery) {
     plotted = now;
     plots.draw(newest.time);
