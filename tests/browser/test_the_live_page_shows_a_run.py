@@ -43,7 +43,7 @@ def test_the_scene_is_drawn_and_nothing_sticks_out(chromium, address, width, sch
         assert page.inner_text("#state") == "The run goes on."
         label = page.get_attribute("#scene", "aria-label")
         assert "a1, a2, b1, b2" in label
-        assert page.locator("figure").count() == 4
+        assert page.locator("#plots figure").count() == 4
         assert page.inner_text("#legend").count("\n") >= 4
 
 
