@@ -96,6 +96,7 @@ class MemorySink:
         self._ticks = ticks
         self._arrays: list[Rows] = []
         self._filled: list[int] = []
+        self._kept: tuple[int, MemorySink] | None = None
         self.groups: tuple[RecordGroup, ...] = ()
         self.base_rate = Fraction(1)
         self._blocks: list[list[Rows]] = []
@@ -112,6 +113,11 @@ class MemorySink:
         self.base_rate = base_rate
         self._blocks = [[] for _ in groups]
         self._filled = [0 for _ in groups]
+        if self._kept is not None:
+            tick, source = self._kept
+            for number, group in enumerate(groups):
+                rows = self._filled[number] = -(-tick // group.period)
+                self._arrays[number][:rows] = source._arrays[number][:rows]
 
     def buffer(self, group: int, rows: int) -> Rows:
         """A fresh block."""
@@ -128,6 +134,13 @@ class MemorySink:
         self._filled[group] += rows
         if not self._arrays:
             self._blocks[group].append(self._open.pop(group)[:rows])
+
+    def keep(self, tick: int, source: MemorySink | None = None) -> None:
+        """Keep the rows before a tick at the next ``begin``: those of ``source``, or its own.
+
+        Only where ``ticks`` was given.
+        """
+        self._kept = tick, self if source is None else source
 
     def rows(self, group: int) -> Rows:
         """All rows of a group, shape (rows, columns)."""

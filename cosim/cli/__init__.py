@@ -29,6 +29,7 @@ COMMANDS = {
     "run": "Run a scenario and record it.",
     "ssp": "Read systems of SSP and OSP, and write scenarios as SSP.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",
+    "sweep": "Run a scenario many times: grids, samples, seeds, boundaries.",
     "thesis": "Rerun the experiments of chapters 7 and 8 and judge the thesis by them.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
 }

@@ -40,6 +40,9 @@ COMPARISONS: dict[str, Callable[[float, float, Sequence[float]], bool]] = {
 }
 """Whether everything between ``low`` and ``high`` keeps the limit."""
 
+_OWN_UNITS = {"change_count": "", "loss_count": "", "growth": "1/s"}
+"""Measures that are not in the unit of what is measured."""
+
 OPTIONS = ("from", "to", "frequency")
 
 
@@ -60,6 +63,12 @@ class Expectation:
     window: TickRange | None
     frequency: float | None
     unit: str
+
+    @property
+    def name(self) -> str:
+        """What tells it from the scenario's others."""
+        label = f"[{self.label}]" if self.label else ""
+        return f"{self.text}{label} {self.predicate}"
 
     @property
     def predicate(self) -> str:
@@ -183,7 +192,7 @@ class _Parser:
             name, comparison = self._predicate(key, of_signal=target is not None)
             if name == "amplitude" and frequency is None:
                 raise InputError("an amplitude needs the frequency (rad/s) beside it.")
-            dimension = "" if name.endswith("_count") else unit
+            dimension = _OWN_UNITS.get(name, unit)
             found.append(
                 Expectation(
                     text=self.text,

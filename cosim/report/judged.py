@@ -23,6 +23,8 @@ class Judged:
     """Every scenario measure that applies (SI units)."""
     verdicts: list[Verdict]
     runaways: list[Runaway]
+    inspection: Inspection
+    """What was looked at, for those that want to know more."""
 
     @property
     def failures(self) -> list[str]:
@@ -37,11 +39,12 @@ class Judged:
 
 def judge(run: Run, expectations: Sequence[Expectation], largest: Mapping[str, float]) -> Judged:
     """Measure and judge a run; ``largest`` is the largest size that each signal had."""
-    measured = Inspection(run)
+    inspection = Inspection(run)
     return Judged(
-        measures=take_measures(measured, expectations),
-        verdicts=evaluate(measured, expectations),
+        measures=take_measures(inspection, expectations),
+        verdicts=evaluate(inspection, expectations),
         runaways=runaways(run, largest, expectations),
+        inspection=inspection,
     )
 
 

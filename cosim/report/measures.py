@@ -18,7 +18,7 @@ from itertools import combinations
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.report.platform import Contact, platform_of
+from cosim.report.platform import Contact, RecordedPlatform, platform_of
 from cosim.report.target import Target, aligned
 from cosim.report.window import MEASURES, Window, measure
 
@@ -186,9 +186,8 @@ def _saturated_ticks(measured: Inspection, window: TickRange | None) -> float | 
     return sum(each.maximum - each.minimum for each in counters) if counters else None
 
 
-def signals_of(run: Run) -> set[str]:
+def signals_of(platform: RecordedPlatform) -> set[str]:
     """The signals that the measures read."""
-    platform = platform_of(run)
     found = {name for pose in platform.poses.values() for name in pose}
     found |= {*platform.depths.values(), *platform.saturations}
     for contact in platform.contacts:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 from cosim.base.meaning import Meaning, Slot
+from cosim.base.recording import Column
 from cosim.record.reader import RecordedSignal, Run
 
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
@@ -58,7 +59,9 @@ class RecordedPlatform:
         return tuple(self.poses)
 
 
-def find_platform(recorded: Mapping[str, RecordedSignal]) -> RecordedPlatform:
+def find_platform(
+    recorded: Mapping[str, RecordedSignal] | Mapping[str, Column],
+) -> RecordedPlatform:
     """What of the platform is among the recorded signals; empty for another scenario."""
     found: dict[str, dict[tuple[Meaning, Slot], str]] = {}
     for name, signal in recorded.items():

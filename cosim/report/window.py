@@ -19,13 +19,24 @@ from cosim.report.target import Target, blocks
 ANY_LENGTH = 1 << 62
 """More rows than any window has: one pair of extremes for all of them."""
 
+_NARROW = 1e-300
+"""In place of no width at all, so that its logarithm is a number."""
+
 
 class Window:
     """One target over a window of time, taken piece by piece."""
 
-    def __init__(self, frequency: float | None = None) -> None:
-        """``frequency`` (rad/s) is that of the sine whose amplitude is asked for."""
+    def __init__(self, frequency: float | None = None, middle: float = math.inf) -> None:
+        """Begin with nothing.
+
+        ``frequency`` (rad/s) is that of the sine whose amplitude is asked for, ``middle`` (s) the
+        time that parts the two halves whose growth is.
+        """
         self.frequency = frequency
+        self._middle = middle
+        self._halves = [[math.inf, -math.inf], [math.inf, -math.inf]]
+        self._times: NDArray[np.float64] = np.zeros(0)
+        self._span = [0.0, 0.0]
         self.first = math.nan
         self.last = math.nan
         self.losses = 0
@@ -42,12 +53,14 @@ class Window:
             return
         if self.rows == 0:
             self.first = self.last = float(values[0])
+            self._span = [float(time[0]), float(time[0])]
         ended = (values[:-1] != 0) & (values[1:] == 0)
         self.losses += int(np.count_nonzero(ended)) + int(self.last != 0 and values[0] == 0)
         self.last = float(values[-1])
         if self._waiting is not None:
             self._merge(self._waiting)
-        self._waiting = values
+        self._waiting, self._times = values, time
+        self._span[1] = float(time[-1])
         if self.frequency is not None:
             angle = self.frequency * time
             basis = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
@@ -88,7 +101,23 @@ class Window:
             self._statistics = ColumnStatistics(np.array([True]), ANY_LENGTH, bins=1)
         return self._statistics
 
+    @property
+    def growth(self) -> float:
+        """How fast what moves grows (1/s), or dies away: less than 0.
+
+        The logarithm of how much wider the values lie in the second half than in the first, over
+        the time from the middle of the one to that of the other; 0 where nothing moves.
+        """
+        _ = self.statistics  # what is waiting is merged
+        widths = [max(high - low, _NARROW) for low, high in self._halves]
+        between = (self._span[1] - self._span[0]) / 2
+        return math.log(widths[1] / widths[0]) / between if between > 0 else math.nan
+
     def _merge(self, values: NDArray[np.float64]) -> None:
+        edge = int(np.searchsorted(self._times, self._middle))
+        for half, part in zip(self._halves, (values[:edge], values[edge:]), strict=True):
+            half[0] = float(np.fmin.reduce(part, initial=half[0]))
+            half[1] = float(np.fmax.reduce(part, initial=half[1]))
         self._kept.update(np.ascontiguousarray(values).view(np.int64)[None])
 
     @property
@@ -114,6 +143,7 @@ MEASURES: dict[str, Callable[[Window], float]] = {
     "amplitude": lambda window: window.amplitude,
     "change_count": lambda window: window.statistics.changes,
     "loss_count": lambda window: window.losses,
+    "growth": lambda window: window.growth,
 }
 
 
@@ -121,7 +151,7 @@ def measure(
     run: Run, target: Target, first: int, last: int, frequency: float | None = None
 ) -> Window:
     """Take a target over ticks ``first`` <= tick < ``last``, piece by piece."""
-    window = Window(frequency)
+    window = Window(frequency, middle=float((first + last) / 2 / run.base_rate))
     for ticks, values in blocks(run, target, first, last):
         window.update(run.seconds(ticks), values.astype(np.float64, copy=False))
     return window

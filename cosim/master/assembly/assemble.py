@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from cosim.base.component import Causality, Component
@@ -28,6 +28,9 @@ from cosim.master.components.participants import (
 )
 from cosim.scenario import Kind, Scenario
 
+Only = Callable[[Sequence[RecordGroup]], Collection[str]]
+"""Told what would be recorded; says which signals are."""
+
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
@@ -52,13 +55,12 @@ def put_together(
     scenario: Scenario,
     instances: Mapping[str, Component] | None = None,
     kinds: Mapping[Kind, Factory] | None = None,
-    only: Collection[str] | None = None,
+    only: Only | None = None,
 ) -> Assembly:
     """Read every component, resolve every connection, order everything.
 
     ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
-    the master does not know, such as playback. Of what the scenario records, ``only`` these signals
-    are.
+    the master does not know, such as playback. ``only`` chooses among what the scenario records.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
@@ -73,9 +75,10 @@ def put_together(
     interfaces = {name: each.interface for name, each in participants.items()} | knobs.channels
     wiring = wire(scenario, interfaces, knobs, problems)
     selected = select_recorded(scenario, interfaces, wiring, problems)
-    if only is not None:
-        selected = [kept for group in selected if (kept := group.only(only)).signals]
     problems.raise_if_any()
+    if only is not None:
+        names = only(describe_groups(scenario, interfaces, selected))
+        selected = [kept for group in selected if (kept := group.only(names)).signals]
 
     parts = {
         name: Part(each.interface, each.period, each.fmu is not None, each.methods)

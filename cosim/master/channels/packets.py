@@ -133,6 +133,31 @@ class Packets:
         for name, value in kept.items():
             setattr(struct, name, value)
 
+    def branch(
+        self, number: int, values: Mapping[str, Any], arrays: Mapping[str, NDArray[np.int64]]
+    ) -> None:
+        """Go on from what another run's ``save`` returned, with fates of this run's own.
+
+        Packets under way arrive as that run had it.
+
+        Raises:
+            ValueError: there are more of them than there is room for.
+        """
+        struct = self.structs[number]
+        kept = {name: int(values[name]) for name in _KEPT}
+        flying = kept["in_flight"]
+        if flying > struct.capacity:
+            raise ValueError(f"{flying} packets are under way, and there is room for less")
+        self._flight[number][:, :flying] = arrays["flight"]
+        self._payload[number][:flying] = arrays["payload"]
+        kept |= {"fate_first": kept["sequence"], "fate_count": 0}
+        for name, value in kept.items():
+            setattr(struct, name, value)
+        if number in self._fates:
+            self._streams[number] = self.bundles[number].fates.begin()
+            self._streams[number].skip(kept["sequence"])
+            self.draw()
+
     def counts(self) -> dict[str, PacketCount]:
         """The count of every direction of every channel, by its name."""
         return {

@@ -10,6 +10,7 @@ import ctypes
 import platform
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from ctypes import c_void_p
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -143,6 +144,18 @@ class Binding(Protocol):
 
     def load_state(self, content: bytes) -> int:
         """Restore what ``save_state`` returned."""
+        ...
+
+    def keep_state(self) -> tuple[int, c_void_p]:
+        """The status, and the state as the FMU's own object."""
+        ...
+
+    def put_state(self, state: c_void_p) -> int:
+        """Go back to a state that was kept."""
+        ...
+
+    def drop_state(self, state: c_void_p) -> int:
+        """Give a kept state back."""
         ...
 
     def missing_state_functions(self) -> list[str]:

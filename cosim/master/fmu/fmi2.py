@@ -176,6 +176,18 @@ class Fmi2:
         """Restore what ``save_state`` returned."""
         return FMI2.load(self._functions, self.handle, content)
 
+    def keep_state(self) -> tuple[int, c_void_p]:
+        """The status, and the state as the FMU's own object."""
+        return FMI2.keep(self._functions, self.handle)
+
+    def put_state(self, state: c_void_p) -> int:
+        """Go back to a state that was kept."""
+        return FMI2.put(self._functions, self.handle, state)
+
+    def drop_state(self, state: c_void_p) -> int:
+        """Give a kept state back."""
+        return FMI2.drop(self._functions, self.handle, state)
+
     def missing_state_functions(self) -> list[str]:
         """What the library lacks to save and to load a state."""
         return FMI2.missing(self._functions)

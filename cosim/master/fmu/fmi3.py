@@ -186,6 +186,18 @@ class Fmi3:
         """Restore what ``save_state`` returned."""
         return FMI3.load(self._functions, self.handle, content)
 
+    def keep_state(self) -> tuple[int, c_void_p]:
+        """The status, and the state as the FMU's own object."""
+        return FMI3.keep(self._functions, self.handle)
+
+    def put_state(self, state: c_void_p) -> int:
+        """Go back to a state that was kept."""
+        return FMI3.put(self._functions, self.handle, state)
+
+    def drop_state(self, state: c_void_p) -> int:
+        """Give a kept state back."""
+        return FMI3.drop(self._functions, self.handle, state)
+
     def missing_state_functions(self) -> list[str]:
         """What the library lacks to save and to load a state."""
         return FMI3.missing(self._functions)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from ctypes import c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,7 @@ class Fmu:
             for name, variable in description.variables.items()
             if variable.causality is Causality.STRUCTURAL_PARAMETER
         )
+        self._state: c_void_p | None = None
         self._packed: dict[int, tuple[Mapping[str, list[Any]], list[Callable[[], int]]]] = {}
         self.library = find_binary(description)
         """The file that all instances of this FMU share."""
@@ -280,6 +282,32 @@ class Fmu:
         """
         self._check_state("restore its state", self._state_bound().load_state(content))
 
+    def keep_state(self) -> None:
+        """Remember the whole state between two steps, for ``return_to_state``.
+
+        Raises:
+            RunError: the FMU cannot give it.
+        """
+        self._drop_state()
+        status, state = self._state_bound().keep_state()
+        self._check_state("save its state", status)
+        self._state = state
+
+    def return_to_state(self) -> None:
+        """Go back to what was kept.
+
+        Raises:
+            RunError: the FMU refuses it; what state it has then is not known.
+        """
+        assert self._state is not None
+        self._check_state("restore its state", self._bound.put_state(self._state))
+        self._log.forget()
+
+    def _drop_state(self) -> None:
+        state, self._state = self._state, None
+        if state is not None and not self.is_lost:
+            self._bound.drop_state(state)  # whatever it returns: it is not asked for any more
+
     def _state_bound(self) -> Binding:
         missing = self._bound.missing_state_functions()
         if missing:
@@ -311,6 +339,8 @@ class Fmu:
         ``failed``: an error status was met, by this instance or fatally by another one of the same
         library, so only freeing is allowed.
         """
+        if self._binding is not None:
+            self._drop_state()
         binding, self._binding = self._binding, None
         process, self._process = self._process, None
         try:

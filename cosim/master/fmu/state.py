@@ -55,6 +55,19 @@ class StateFunctions:
         freed = library[self.free](handle, ctypes.byref(state))
         return (status if status not in {OK, WARNING} else freed), content
 
+    def keep(self, library: Library, handle: int) -> tuple[int, c_void_p]:
+        """The status, and the state as the FMU's own object; ``drop`` gives it back."""
+        state = c_void_p()
+        return library[self.get](handle, ctypes.byref(state)), state
+
+    def put(self, library: Library, handle: int, state: c_void_p) -> int:
+        """Go back to a state that was kept, which stays."""
+        return library[self.set](handle, state)
+
+    def drop(self, library: Library, handle: int, state: c_void_p) -> int:
+        """Give a kept state back."""
+        return library[self.free](handle, ctypes.byref(state))
+
     def load(self, library: Library, handle: int, content: bytes) -> int:
         """Restore what was serialised; the first status that is neither OK nor a warning."""
         state = c_void_p()

@@ -79,7 +79,7 @@ def take(
             "phase": int(kernel.phase),
             "warnings": program.warnings(),
             "bundles": bundles,
-            "python": {name: _saved(name, each) for name, each in components.items()},
+            "python": {name: saved(name, each) for name, each in components.items()},
         },
         arrays=arrays,
     )
@@ -148,7 +148,12 @@ def same_state(snapshot: Snapshot, program: Program) -> bool:
     return bool(np.array_equal(program.cells, snapshot.arrays["cells"]))
 
 
-def _saved(name: str, component: Component) -> Any:
+def saved(name: str, component: Component) -> Any:
+    """What a component remembers.
+
+    Raises:
+        RunError: it failed, or returned what is not plain.
+    """
     assert isinstance(component, Resumable)
     with sentences(name, "in save"):
         values = component.save()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -18,7 +18,7 @@ from cosim.base.component import Component
 from cosim.base.errors import EndAsked, InputError, RunError
 from cosim.base.recording import Forgetful, RecordGroup, Rows, Sink
 from cosim.base.system.garbage import without_collecting
-from cosim.master.assembly.assemble import Assembly, put_together
+from cosim.master.assembly.assemble import Assembly, Only, put_together
 from cosim.master.channels.packets import PacketCount
 from cosim.master.components.interface import has_cells
 from cosim.master.components.parameters import element_start
@@ -32,7 +32,8 @@ from cosim.master.fmu.surroundings import Surroundings
 from cosim.master.kernel.native import KernelOutcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
-from cosim.master.run import checkpoint
+from cosim.master.run import branch_point, checkpoint
+from cosim.master.run.branch_point import BranchPoint
 from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
@@ -96,13 +97,13 @@ def assemble(
     instances: Mapping[str, Component] | None = None,
     kinds: Mapping[Kind, Factory] | None = None,
     whereabouts: Whereabouts | None = None,
-    only: Collection[str] | None = None,
+    only: Only | None = None,
 ) -> Simulation:
     """Read, check, wire and plan a scenario; no native code has run yet.
 
     ``instances`` holds components that exist already, by name; ``kinds`` makes those of kinds that
     the master does not know, such as playback. ``whereabouts`` is where the run says what it does.
-    Of what the scenario records, ``only`` these signals are.
+    ``only`` chooses among what the scenario records.
 
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
@@ -140,6 +141,7 @@ class Simulation:
         self.died = ""
         """The sentence of an isolated FMU whose process ended when it was closed."""
         self._pauses: dict[int, Pause] = {}
+        self._origin: BranchPoint | None = None
         self._chunk = FIRST_CHUNK
         self._start_cells: tuple[Mapping[str, Values], NDArray[np.int64]] | None = None
         self._compiled: bool | None = None
@@ -188,6 +190,7 @@ class Simulation:
         drive: Drive | None = None,
         pauses: Mapping[int, Pause] | None = None,
         keep_fmus: bool = False,
+        mark_at_end: bool = False,
     ) -> Outcome:
         """Run to tick ``until`` (the scenario's end unless given), from ``restore``'s tick or 0.
 
@@ -196,7 +199,8 @@ class Simulation:
         far it is; the numbers are the same. ``pauses`` are called between two ticks, before
         anything of the tick is done by which they are kept; not with ``drive``.
         Every component is closed at the end; with ``keep_fmus`` the FMUs only by ``close``, so
-        that one which dies of it finds the record finished.
+        that one which dies of it finds the record finished. With ``mark_at_end`` nothing is closed,
+        and later runs begin where this one ended (``branch``).
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -207,12 +211,17 @@ class Simulation:
         self._pauses = dict(pauses or {})
         try:
             with without_collecting():
-                self._start(end, recorded=sink is not None)
+                if self._origin is None:
+                    last = self.scenario.ticks if mark_at_end else end
+                    self._start(last, recorded=sink is not None)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
             with wish_to_stop(self._whereabouts.hear) as wish:
                 self._loop(end, sink, progress, drive, wish)
             interrupted = wish.is_made and self.program.kernel.tick < end
+            if mark_at_end and not interrupted:
+                parts = self.assembly, self.program, self._fmus, self._components
+                self._origin = branch_point.mark(*parts)
         except KeyboardInterrupt:
             interrupted = True
         except EndAsked as end_asked:
@@ -228,10 +237,28 @@ class Simulation:
                 ended_by=ended_by,
                 said={name: said for name, fmu in self._fmus.items() if (said := fmu.said())},
             )
-            self._close_components()
-            if not keep_fmus:
-                self.close()
+            if self._origin is None:
+                self._close_components()
+                if not keep_fmus:
+                    self.close()
         return self.outcome
+
+    def branch(self, assembly: Assembly) -> None:
+        """Make ready for a run that begins where the one with ``mark_at_end`` ended.
+
+        What channels do from then on is that of ``assembly``: one that ``with_values`` made.
+
+        Raises:
+            InputError: there is no such place, or components have other values.
+            RunError: a component does not take its state back.
+        """
+        if self._origin is None:
+            raise InputError("No run of this simulation has ended where others could begin.")
+        branch_point.check_branch(self._origin, assembly)
+        self.assembly = assembly
+        self._handlers.clear()
+        parts = assembly, self.program, self._fmus, self._components
+        branch_point.go_back(self._origin, *parts)
 
     def renew(self, assembly: Assembly) -> None:
         """Make ready for another run, after one with ``keep_fmus``; nothing of that one is left.

@@ -38,9 +38,8 @@ def _refuse_anchors(root: Node, keys: list[PathKey], written: str, place: Locati
     """Under ``x-…`` nothing is obeyed: what is there was copied to where its alias stands."""
     if not str(keys[0]).startswith("x-"):
         return
-    node, depth = root.find(tuple(keys))
-    used = list(_copies(root, node.place, ())) if depth == len(keys) and node.place.line else []
     where = ".".join(map(str, keys))
+    used = copies_of(root, where)
     if used:
         listed = " and ".join(f"--set {name}={written}" for name in used)
         raise InputError(f"'{where}' only holds what is used elsewhere: write {listed}.", place)
@@ -49,6 +48,13 @@ def _refuse_anchors(root: Node, keys: list[PathKey], written: str, place: Locati
         "key where the alias stands, such as components.NAME.parameters.KEY.",
         place,
     )
+
+
+def copies_of(root: Node, path: str) -> list[str]:
+    """The paths outside ``x-…`` that an alias has copied a value under ``x-…`` to."""
+    keys = tuple(path.split("."))
+    node, depth = root.find(keys)
+    return list(_copies(root, node.place, ())) if depth == len(keys) and node.place.line else []
 
 
 def _copies(node: Node, place: Location, path: tuple[PathKey, ...]) -> Generator[str]:

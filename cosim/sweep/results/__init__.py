@@ -1,0 +1,1 @@
+"""What came out: kept by content, as a table, as a picture."""

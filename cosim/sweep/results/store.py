@@ -1,0 +1,132 @@
+"""The results of a sweep in its folder, one line each, from which it is gone on with later.
+
+``results.jsonl`` is written as results come, so that whatever ends the sweep, what was computed is
+there. A last line that was cut off is not counted.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from cosim.base.errors import InputError
+from cosim.sweep.job import RunResult
+
+RESULTS_FILE = "results.jsonl"
+DESCRIPTION_FILE = "sweep.json"
+FOLDER = Path("sweeps")
+AGAIN = frozenset({"crashed"})
+"""What is tried again when a sweep is gone on with."""
+
+
+class ResultStore:
+    """What came out so far, by key; a context manager that holds the file open."""
+
+    def __init__(self, folder: Path) -> None:
+        """Read what is in the folder already.
+
+        Raises:
+            InputError: the folder cannot be written, or holds something else.
+        """
+        self.folder = folder
+        self.known: dict[str, RunResult] = {}
+        self._file: IO[str] | None = None
+        try:
+            if folder.exists() and not folder.is_dir():
+                raise InputError(f"{folder} is a file, not a folder.")
+            if (
+                folder.is_dir()
+                and any(folder.iterdir())
+                and not (folder / DESCRIPTION_FILE).exists()
+            ):
+                raise InputError(
+                    f"{folder} is not empty and holds no sweep; name a new folder with --out."
+                )
+            folder.mkdir(parents=True, exist_ok=True)
+            self._read()
+        except OSError as error:
+            raise InputError(f"{folder} cannot be used: {error.strerror}.") from None
+
+    def describe(self, content: dict[str, Any]) -> None:
+        """Write what the sweep is (``sweep.json``), whole or not at all."""
+        file = self.folder / DESCRIPTION_FILE
+        scratch = file.with_name(f"{file.name}.{os.getpid()}")
+        scratch.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        scratch.replace(file)
+
+    def add(self, result: RunResult) -> None:
+        """Keep one result."""
+        self.known[result.key] = result
+        if self._file is None:
+            self._file = (self.folder / RESULTS_FILE).open("a", encoding="utf-8")
+        self._file.write(json.dumps(result.as_dict()) + "\n")
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def __enter__(self) -> ResultStore:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _read(self) -> None:
+        file = self.folder / RESULTS_FILE
+        if not file.exists():
+            return
+        content = file.read_bytes()
+        whole = content[: content.rfind(b"\n") + 1]
+        if whole != content:
+            with file.open("r+b") as cut:
+                cut.truncate(len(whole))
+        for line in whole.splitlines():
+            result = result_of(json.loads(line))
+            if result.status not in AGAIN:
+                self.known[result.key] = result
+
+
+def result_of(content: dict[str, Any]) -> RunResult:
+    """A result from what ``as_dict`` gave."""
+    values: dict[str, Any] = {**content, "point": tuple(content["point"])}
+    return RunResult(**values)
+
+
+def read_results(folder: Path) -> tuple[dict[str, Any], list[RunResult]]:
+    """A sweep's description and its results, in the order of their numbers.
+
+    Raises:
+        InputError: there is no sweep in the folder.
+    """
+    try:
+        description = json.loads((folder / DESCRIPTION_FILE).read_text(encoding="utf-8"))
+        lines = (folder / RESULTS_FILE).read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        raise InputError(f"{folder} holds no sweep.") from None
+    return description, latest(result_of(json.loads(line)) for line in lines)
+
+
+def latest(results: Iterable[RunResult]) -> list[RunResult]:
+    """Of each point the last result, by number."""
+    found = {result.number: result for result in results}
+    return [found[number] for number in sorted(found)]
+
+
+def next_folder(name: str) -> Path:
+    """The next free ``sweeps/<name>-<n>``."""
+    number = 1
+    while (folder := FOLDER / f"{name}-{number}").exists():
+        number += 1
+    return folder

@@ -1,0 +1,157 @@
+"""Workers of a Dask cluster: chunks of runs, some under way, and a scheduler that may die.
+
+A chunk whose worker died again and again is taken apart and its runs are sent one by one, so that
+the one that kills is found. When the scheduler is gone, what is known is kept and a sentence says
+how to go on.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import threading
+from collections import deque
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any
+
+from cosim.base.errors import InputError, RunError
+from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.runner import PointRunner
+
+CHUNK = 20
+"""Runs that are sent together: a task costs some 2 ms."""
+UNDER_WAY = 4
+"""Chunks under way for each worker."""
+_LOOK_SECONDS = 1.0
+_LOST = (
+    "The connection to Dask's scheduler is lost. What is known is kept: start the scheduler and "
+    "its workers again, and this sweep with the same --out."
+)
+_CONNECT_SECONDS = 10
+
+_lock = threading.Lock()
+_runner: tuple[str, PointRunner] | None = None
+
+
+class DaskPool:
+    """Runs tasks on a cluster's workers; a context manager that lets go of it."""
+
+    def __init__(self, job: Job, scheduler: Any, *, chunk: int = CHUNK) -> None:
+        """``scheduler`` is an address (``tcp://host:8786``) or a ``distributed.Client``.
+
+        Raises:
+            InputError: Dask is not installed, or nobody is at the address.
+        """
+        try:
+            self._dask: Any = importlib.import_module("distributed")
+        except ImportError:
+            raise InputError("--scheduler needs Dask: pip install 'cohaptic[cluster]'.") from None
+        for name in (
+            "distributed",
+            "tornado",
+            "asyncio",
+        ):  # what they log is said in a sentence here
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+        self._job = job
+        self._chunk = chunk
+        self._over: SimpleQueue[Any] = SimpleQueue()
+        self._is_own = isinstance(scheduler, str)
+        try:
+            self._client: Any = (
+                self._dask.Client(scheduler, timeout=_CONNECT_SECONDS, set_as_default=False)
+                if self._is_own
+                else scheduler
+            )
+        except (OSError, ValueError) as error:
+            raise InputError(f"there is no scheduler at {scheduler}: {error}") from None
+
+    def __enter__(self) -> DaskPool:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._is_own:
+            self._client.close(timeout=2)
+
+    def run(self, tasks: Iterable[Task]) -> Iterator[RunResult]:
+        """The results in the order in which they come.
+
+        Raises:
+            RunError: the scheduler is gone.
+        """
+        try:
+            yield from self._run(iter(tasks))
+        except OSError as error:  # a connection of the client's that broke off
+            raise RunError(_LOST) from error
+
+    def _run(self, waiting: Iterator[Task]) -> Iterator[RunResult]:
+        singly: deque[list[Task]] = deque()
+        under_way: dict[Any, list[Task]] = {}
+        job = self._client.scatter(self._job, broadcast=True)
+        token = str(job.key)  # of the job's content
+        while True:
+            while len(under_way) < self._room():
+                chunk = singly.popleft() if singly else list(islice(waiting, self._chunk))
+                if not chunk:
+                    break
+                future = self._client.submit(_run_chunk, token, job, chunk, pure=False)
+                under_way[future] = chunk
+                future.add_done_callback(self._over.put)
+            if not under_way:
+                return
+            future = self._finished()
+            yield from self._take(future, under_way.pop(future), singly)
+
+    def _room(self) -> int:
+        return UNDER_WAY * max(1, len(self._client.nthreads()))
+
+    def _finished(self) -> Any:
+        """One that is over.
+
+        Raises:
+            RunError: the scheduler is gone.
+        """
+        while True:
+            if self._client.status != "running":
+                raise RunError(_LOST)
+            try:
+                return self._over.get(timeout=_LOOK_SECONDS)
+            except Empty:
+                continue
+
+    def _take(
+        self, future: Any, chunk: list[Task], singly: deque[list[Task]]
+    ) -> Iterator[RunResult]:
+        if future.status == "finished":
+            yield from future.result()
+            return
+        if future.status in {"cancelled", "lost"}:
+            singly.append(chunk)
+            return
+        error = future.exception()
+        if not isinstance(error, self._dask.KilledWorker):
+            raise RunError(f"A worker of the cluster failed: {error}") from error
+        if len(chunk) > 1:
+            singly.extend([task] for task in chunk)
+            return
+        (task,) = chunk
+        message = "The workers that ran it died again and again."
+        yield RunResult(task.number, task.key, task.point, "crashed", message)
+
+
+def _run_chunk(token: str, job: Job, tasks: list[Task]) -> list[RunResult]:
+    """On a worker: run some points; simulations stay warm for the next chunk of the same sweep."""
+    global _runner  # noqa: PLW0603 - one of each process
+    with _lock:
+        if _runner is None or _runner[0] != token:
+            if _runner is not None:
+                _runner[1].close()
+            _runner = token, PointRunner(job)
+        return [_runner[1].run(task) for task in tasks]

@@ -1,0 +1,178 @@
+"""One plan kept ready: its simulation, the rows in memory, and what is looked at in them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+
+from cosim.base.errors import InputError, RunError
+from cosim.base.quantities.quantity import QuantityError, quantity
+from cosim.base.recording import MemorySink, RecordGroup
+from cosim.master.assembly.assemble import Assembly
+from cosim.master.assembly.variation import with_values
+from cosim.master.run.simulation import assemble
+from cosim.record.memory import largest_sizes, run_in_memory
+from cosim.record.playback import KINDS
+from cosim.record.reader import Run
+from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.judged import Judged, judge
+from cosim.report.measures import signals_of
+from cosim.report.platform import find_platform
+from cosim.report.target import Target, parse_target
+from cosim.report.window import MEASURES
+from cosim.scenario import Kind, Scenario
+from cosim.sweep.job import Job, RunResult, Task
+
+
+class Warm:
+    """Runs scenarios of one plan, one after another."""
+
+    def __init__(self, job: Job, scenario: Scenario) -> None:
+        """Assemble a scenario and be ready to run it.
+
+        Raises:
+            InputError: it cannot be assembled, or it is none that can be repeated.
+        """
+        for name, part in scenario.components.items():
+            if part.kind is Kind.DEVICE:
+                raise InputError(f"{name} is a device; a sweep runs what is simulated.")
+        self._job = job
+        self._expected: dict[tuple[int, int], tuple[object, list[Expectation]]] = {}
+        self._readings: list[tuple[str, Target, str]] = []
+        self._simulation = assemble(
+            scenario, kinds=KINDS, only=lambda groups: self._looked_at(scenario, groups)
+        )
+        self._base = self._next = self._simulation.assembly
+        self._sinks: dict[int, MemorySink] = {}
+        self._runs: dict[int, Run] = {}
+        self._last: MemorySink | None = None
+        self._begun = False
+        self._start = _tick_of(job.start, scenario)
+
+    @property
+    def assembly(self) -> Assembly:
+        """What all the scenarios share."""
+        return self._base
+
+    def turn_to(self, scenario: Scenario) -> bool:
+        """Whether the scenario has this plan; then it is the next to run."""
+        assembly = with_values(self._base, scenario)
+        if assembly is not None:
+            self._next = assembly
+        return assembly is not None
+
+    def run(self, task: Task) -> RunResult:
+        """Run what was turned to last.
+
+        Raises:
+            InputError: a component refuses its values, or an expectation cannot be.
+            RunError: the run ended early.
+        """
+        assembly = self._next
+        scenario = assembly.scenario
+        expectations = self._expectations(scenario)
+        sink = self._sink(scenario)
+        if self._start is not None:
+            self._branch(assembly, sink)
+        elif self._begun:
+            self._simulation.renew(assembly)
+        self._begun = True
+        self._last = sink
+        outcome = self._simulation.run(sink, keep_fmus=True)
+        if outcome.interrupted:
+            raise RunError("Interrupted.")
+        judged = judge(self._run_of(sink, outcome.ticks), expectations, largest_sizes(sink))
+        measures, passed = self._found(judged)
+        return RunResult(
+            number=task.number,
+            key=task.key,
+            point=task.point,
+            status="good" if judged.is_good else "failed",
+            message="; ".join([*judged.failures, *map(str, judged.runaways[:1])]),
+            measures=measures,
+            passed=passed,
+            ticks=outcome.ticks,
+            seconds=outcome.wall_time,
+        )
+
+    def digest(self) -> str:
+        """A digest (hex) of the rows of the last run."""
+        state = hashlib.sha256()
+        if self._last is not None:
+            for number in range(len(self._last.groups)):
+                state.update(self._last.rows(number).tobytes())
+        return state.hexdigest()
+
+    def close(self) -> None:
+        """Free every FMU."""
+        self._simulation.close()
+
+    def _looked_at(self, scenario: Scenario, groups: Sequence[RecordGroup]) -> set[str]:
+        """The signals that anybody asks for; everything else is not recorded."""
+        columns = {column.name: column for group in groups for column in group.columns}
+        self._units = {name: column.unit or "" for name, column in columns.items()}
+        found = signals_of(find_platform(columns))
+        for expectation in parse_expectations(scenario, self._units):
+            found |= set(expectation.target.signals if expectation.target is not None else ())
+        for text, name in self._job.readings:
+            target = parse_target(text, self._units)
+            self._readings.append((f"{text} {name}", target, name))
+            found |= set(target.signals)
+        return found
+
+    def _expectations(self, scenario: Scenario) -> list[Expectation]:
+        """Parsed once for each set of them: most points have the base's."""
+        key = (id(scenario.expect), scenario.ticks)
+        kept = self._expected.get(key)
+        if kept is None or kept[0] is not scenario.expect:
+            kept = scenario.expect, parse_expectations(scenario, self._units)
+            self._expected[key] = kept
+        return kept[1]
+
+    def _sink(self, scenario: Scenario) -> MemorySink:
+        return self._sinks.setdefault(scenario.ticks, MemorySink(scenario.ticks))
+
+    def _run_of(self, sink: MemorySink, ticks: int) -> Run:
+        """The rows as a run; where all are there, they lie where those of the run before did."""
+        whole = self._next.scenario.ticks
+        if ticks < whole:
+            return run_in_memory(sink, {"exit": {"ticks": ticks}})
+        if whole not in self._runs:
+            self._runs[whole] = run_in_memory(sink, {"exit": {"ticks": ticks}})
+        return self._runs[whole]
+
+    def _found(self, judged: Judged) -> tuple[dict[str, float], dict[str, bool]]:
+        measures, passed = dict(judged.measures), dict[str, bool]()
+        for verdict in judged.verdicts:
+            name = verdict.expectation.name
+            measures[f"{name} low"] = verdict.low
+            measures[f"{name} high"] = verdict.high
+            passed[name] = verdict.passed
+        run = judged.inspection.run
+        for label, target, name in self._readings:
+            measures[label] = MEASURES[name](judged.inspection.window(target, 0, run.ticks))
+        return measures, passed
+
+    def _branch(self, assembly: Assembly, sink: MemorySink) -> None:
+        """Be where points begin to differ; what comes before is run once."""
+        assert self._start is not None
+        base = self._sink(self._base.scenario)
+        if not self._begun:
+            self._simulation.run(base, until=self._start, mark_at_end=True)
+        sink.keep(self._start, base)
+        self._simulation.branch(assembly)
+
+
+def _tick_of(text: str | None, scenario: Scenario) -> int | None:
+    if text is None:
+        return None
+    try:
+        tick = quantity(text, "s") * scenario.base_rate
+    except QuantityError as error:
+        raise InputError(f"start: {error}") from None
+    if tick.denominator != 1 or not 0 < tick < scenario.ticks:
+        raise InputError(
+            f"start: {text} is no base tick within the run, which goes on for "
+            f"{float(scenario.duration):g} s at {float(scenario.base_rate):g} ticks a second."
+        )
+    return int(tick)

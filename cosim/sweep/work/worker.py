@@ -1,0 +1,48 @@
+"""A worker of a local pool: ``python -m cosim.sweep.work.worker FD``, with a socket to its pool.
+
+It is sent the job, says ``None`` when it is ready, and from then on gets tasks and answers results.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from multiprocessing.connection import Connection
+from typing import Any, NoReturn
+
+from cosim.base.system.garbage import collect_seldom
+from cosim.sweep.job import RunResult
+from cosim.sweep.work.runner import PointRunner
+
+
+def main(number: int) -> None:
+    """Work until nobody is there any more."""
+    collect_seldom()
+    pipe = Connection(number)
+    with PointRunner(_next(pipe)) as runner:
+        _say(pipe, None)
+        while True:
+            _say(pipe, runner.run(_next(pipe)))
+
+
+def _next(pipe: Connection) -> Any:
+    try:
+        return pipe.recv()
+    except (EOFError, OSError):
+        _leave()
+
+
+def _say(pipe: Connection, what: RunResult | None) -> None:
+    try:
+        pipe.send(what)
+    except OSError:
+        _leave()
+
+
+def _leave() -> NoReturn:
+    """End without what FMUs may have left for the end of the process: nobody waits for it."""
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

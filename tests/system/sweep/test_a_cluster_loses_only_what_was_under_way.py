@@ -1,0 +1,157 @@
+"""A sweep on Dask: a worker and the scheduler are killed midway, and nothing is run twice."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cosim.sweep.results.store import RESULTS_FILE, read_results
+from tests.support.sweep.parts import SCENARIO
+
+RUNS = 400
+ROOT = Path(__file__).parents[3]
+
+
+class Cluster:
+    """A scheduler and workers in processes of their own, each of which can be killed."""
+
+    def __init__(self, folder: Path, stack: ExitStack, counted: Path) -> None:
+        self.folder, self.stack, self.counted = folder, stack, counted
+        self.file = folder / "scheduler.json"
+        self.workers: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> str:
+        self.file.unlink(missing_ok=True)
+        self.scheduler = self.process("dask_scheduler", "--port", "0", "--no-dashboard")
+        until(self.file.exists)
+        self.workers = [self.worker() for _ in range(2)]
+        address: str = json.loads(self.file.read_text())["address"]
+        return address
+
+    def worker(self) -> subprocess.Popen[bytes]:
+        return self.process(
+            "dask_worker",
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--no-nanny",
+            "--death-timeout",
+            "60",
+        )
+
+    def process(self, name: str, *arguments: str) -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", f"distributed.cli.{name}", *arguments),
+                *("--scheduler-file", str(self.file)),
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            cwd=self.folder,
+            env={**os.environ, "PYTHONPATH": str(ROOT), "COUNT_RUNS": str(self.counted)},
+        )
+        self.stack.callback(kill, process)
+        return process
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+def until(holds: Callable[[], bool], seconds: float = 60.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, "it did not come about in time"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    with ExitStack() as stack:
+        yield Cluster(tmp_path, stack, tmp_path / "counted")
+
+
+def sweep(folder: Path, out: Path, *more: str) -> subprocess.Popen[bytes]:
+    scenario = folder / "test.yaml"
+    scenario.write_text(json.dumps({**SCENARIO, "duration": 0.5}))
+    arguments = ["sweep", str(scenario), "--vary", f"part.gain=1..{RUNS}", "--measure"]
+    arguments += ["hand.position:rms", "--check-every", "0", "--no-figure", "--out", str(out)]
+    return subprocess.Popen(
+        [
+            sys.executable,
+            "-W",
+            "ignore",
+            "-c",
+            "from cosim.cli import main; main()",
+            *arguments,
+            *more,
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+
+
+def status(process: subprocess.Popen[bytes]) -> int:
+    process.communicate(timeout=120)
+    return process.returncode
+
+
+def known(out: Path) -> int:
+    file = out / RESULTS_FILE
+    return len(file.read_bytes().splitlines()) if file.exists() else 0
+
+
+def table(out: Path) -> list[Any]:
+    return [(r.point, r.status, r.measures, r.passed) for r in read_results(out)[1]]
+
+
+@pytest.mark.slow
+def test_a_killed_worker_and_a_killed_scheduler(tmp_path: Path, cluster: Cluster) -> None:
+    whole = tmp_path / "whole"
+    assert status(sweep(tmp_path, whole, "--workers", "2")) == 0
+
+    out = tmp_path / "cluster"
+    address = cluster.start()
+    first = sweep(tmp_path, out, "--scheduler", address)
+    until(lambda: known(out) > 40)
+    kill(cluster.workers[0])
+    cluster.worker()
+    until(lambda: known(out) > 120)
+    kill(cluster.scheduler)
+    _, said = first.communicate(timeout=60)
+    assert b"Traceback" not in said
+    assert first.returncode == 1
+    assert b"this sweep with the same --out" in said
+    before = known(out)
+    assert 120 < before < RUNS
+
+    for worker in cluster.workers[1:]:
+        kill(worker)
+    assert status(sweep(tmp_path, out, "--scheduler", cluster.start())) == 0
+    assert table(out) == table(whole)
+    lines = (out / RESULTS_FILE).read_text().splitlines()
+    assert len({json.loads(line)["key"] for line in lines}) == len(lines) == RUNS
+    begun = Counter(cluster.counted.read_text().splitlines())
+    # Chunks of 20 that were under way at two workers when one, and then the scheduler, was killed.
+    assert sum(begun.values()) - RUNS <= 2 * 4 * 20 + 20
+
+
+@pytest.mark.slow
+def test_nobody_at_the_address_is_a_sentence(tmp_path: Path) -> None:
+    process = sweep(tmp_path, tmp_path / "out", "--scheduler", "tcp://127.0.0.1:1")
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert b"there is no scheduler at tcp://127.0.0.1:1" in said
