@@ -25,13 +25,11 @@ def run_in_memory(
 
 
 def largest_sizes(sink: MemorySink) -> dict[str, float]:
-    """The largest size that each signal had; NaN where it never was a number."""
+    """The largest size that each signal had; 0 of whole numbers, which do not run away."""
     found: dict[str, float] = {}
     for number, group in enumerate(sink.groups):
         cells = sink.rows(number)
         sizes = np.fmax.reduce(np.abs(cells.view(np.float64)), axis=0, initial=0.0)
-        found |= zip((column.name for column in group.columns), sizes.tolist(), strict=True)
-        for index, column in enumerate(group.columns):
-            if not column.is_float:
-                found[column.name] = float(np.abs(cells[:, index]).max(initial=0))
+        for column, size in zip(group.columns, sizes.tolist(), strict=True):
+            found[column.name] = size if column.is_float else 0.0
     return found

@@ -125,16 +125,6 @@ class FateStream:
         elif packet:
             self._begin()
             self._next = packet
-    def skip(self, count: int) -> None:
-        """Go on behind the next packets, as if they had been taken."""
-        remembers = any(effect.remembers for _, effect in self.fates.effects())
-        while remembers and count > 0:
-            part = min(count, _AGAIN)
-            self.take(part)
-            count -= part
-        if self._next == 0 and count:
-            self._draws = self.fates.draws()
-        self._next += count
 
     def take(self, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The delays (ticks, -1 lost) of the next packets and of their copies (-1 none)."""

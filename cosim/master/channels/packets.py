@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,21 @@ class Packets:
         self._fates: dict[int, tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
         for number, bundle in enumerate(bundles):
             self._fill(number, bundle, layout)
+        self._first = bytes(self.structs)
         self.draw()
+
+    def rewind(self, bundles: Sequence[Bundle], layout: Layout) -> bool:
+        """Be before the first packet again; ``False`` where there may have to be other tables."""
+        pairs = zip(self.bundles, bundles, strict=True)
+        if any(replace(one.fates, key=0) != replace(two.fates, key=0) for one, two in pairs):
+            return False
+        self.bundles = bundles
+        self._streams = [bundle.fates.begin() for bundle in bundles]
+        ctypes.memmove(self.structs, self._first, len(self._first))
+        for number in range(len(bundles)):
+            self._cells[layout.sequence[number]] = -1
+        self.draw()
+        return True
 
     def draw(self) -> None:
         """See to it that the fates of the next ``BLOCK`` packets are drawn."""
@@ -154,8 +169,8 @@ class Packets:
         for name, value in kept.items():
             setattr(struct, name, value)
         if number in self._fates:
-            self._streams[number] = self.bundles[number].fates.begin()
-            self._streams[number].skip(kept["sequence"])
+            fates = self.bundles[number].fates
+            self._streams[number].turn(fates.direction, kept["sequence"])
             self.draw()
 
     def counts(self) -> dict[str, PacketCount]:

@@ -10,7 +10,6 @@ import ctypes
 import platform
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from ctypes import c_void_p
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -146,15 +145,15 @@ class Binding(Protocol):
         """Restore what ``save_state`` returned."""
         ...
 
-    def keep_state(self) -> tuple[int, c_void_p]:
-        """The status, and the state as the FMU's own object."""
+    def keep_state(self) -> tuple[int, Any]:
+        """The status, and the state as an object of the binding's own."""
         ...
 
-    def put_state(self, state: c_void_p) -> int:
+    def put_state(self, state: Any) -> int:
         """Go back to a state that was kept."""
         ...
 
-    def drop_state(self, state: c_void_p) -> int:
+    def drop_state(self, state: Any) -> int:
         """Give a kept state back."""
         ...
 

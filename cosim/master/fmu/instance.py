@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from ctypes import c_void_p
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +71,7 @@ class Fmu:
             for name, variable in description.variables.items()
             if variable.causality is Causality.STRUCTURAL_PARAMETER
         )
-        self._state: c_void_p | None = None
+        self._state: Any = None
         self._packed: dict[int, tuple[Mapping[str, list[Any]], list[Callable[[], int]]]] = {}
         self.library = find_binary(description)
         """The file that all instances of this FMU share."""

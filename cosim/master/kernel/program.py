@@ -156,7 +156,8 @@ class Program:
         """Be before tick 0 again; ``wiring`` may have other fates in its bundles, nothing else."""
         self.wiring = wiring
         self.cells[:] = 0
-        self.packets = Packets(wiring.bundles, self.layout, self.cells)
+        if not self.packets.rewind(wiring.bundles, self.layout):
+            self.packets = Packets(wiring.bundles, self.layout, self.cells)
         self.channels.packets = self.packets
         kernel = self.kernel
         kernel.bundles = ctypes.addressof(self.packets.structs)

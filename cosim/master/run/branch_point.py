@@ -58,6 +58,11 @@ def mark(
             f"The FMU of {stateless[0]} does not give its state away, so that runs cannot begin in "
             "the middle: let them begin at 0."
         )
+    if assembly.knobs.all:
+        name = ".".join(next(iter(assembly.knobs.all)))
+        raise InputError(
+            f"{name} is turned while it runs, so that runs cannot begin in the middle."
+        )
     for fmu in fmus.values():
         fmu.keep_state()
     kernel = program.kernel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from types import TracebackType
@@ -43,6 +43,7 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.scenario import Kind, Scenario
 
 FIRST_CHUNK, LONGEST_CHUNK = 1, 1024
+_UNGUARDED = nullcontext()
 ALL_TOGETHER = ("all components together", "exchanging their first values")
 CHUNK_SECONDS = (0.005, 0.05)
 """A chunk grows while it takes less than the first and shrinks where it takes more than the second,
@@ -118,6 +119,7 @@ class Simulation:
     def __init__(self, assembly: Assembly, whereabouts: Whereabouts | None = None) -> None:
         self.assembly = assembly
         self._whereabouts = whereabouts or Whereabouts()
+        self._is_watched = whereabouts is not None
         self.program = Program(
             assembly.parts,
             assembly.wiring,
@@ -418,13 +420,15 @@ class Simulation:
         self._compile(recorded=recorded)
         self.program.turning.write_events(self.program.kernel, self.assembly.knobs.turns)
         self._start_components(told, rehearsal=rehearsal is not None)
+        begin = self.assembly.clock.seconds(0)
+        ends: dict[int, float] = {}
         for name, fmu in self._fmus.items():
             told(name, "entering initialisation mode")
             period = self.assembly.parts[name].period
-            last = -(-end // period) * period  # the end of its last step may lie beyond the run's
+            if period not in ends:  # the end of its last step may lie beyond the run's
+                ends[period] = self.assembly.clock.seconds(-(-end // period) * period)
             with placed_refusal(self.scenario, name), self._guarding(fmu):
-                clock = self.assembly.clock
-                fmu.enter_initialisation(clock.seconds(0), clock.seconds(last))
+                fmu.enter_initialisation(begin, ends[period])
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
         with self._guarding(*self._fmus.values()):
@@ -469,8 +473,13 @@ class Simulation:
         while kernel.tick < tick:
             self._run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
+    def _guarding(self, *fmus: Fmu) -> AbstractContextManager[None]:
+        """``_guard``, where there is anything to guard against."""
+        own = all(fmu.is_trusted and not fmu.is_isolated for fmu in fmus)
+        return _UNGUARDED if own else self._guard(*fmus)
+
     @contextmanager
-    def _guarding(self, *fmus: Fmu) -> Generator[None]:
+    def _guard(self, *fmus: Fmu) -> Generator[None]:
         """Put back what foreign FMUs, one of these, change of what belongs to the process.
 
         Raises:
@@ -516,7 +525,11 @@ class Simulation:
                     substeps=participant.substeps,
                     is_trusted=self.scenario.components[name].is_bundled,
                     is_isolated=participant.is_isolated,
-                    calling=partial(self._whereabouts.note, name),
+                    calling=(
+                        partial(self._whereabouts.note, name)
+                        if self._is_watched or participant.is_isolated
+                        else _note_nothing
+                    ),
                 )
             fmu = self._fmus[name]
             told(name, "being instantiated and given its values")
@@ -674,6 +687,10 @@ class Simulation:
             record = self.program.records[number]
             if record.row_count:
                 sink.commit(number, -(-first // group.period) * group.period, record.row)
+
+
+def _note_nothing(call: str) -> None:
+    del call
 
 
 def _tell_nobody(component: str, what: str) -> None:

@@ -21,6 +21,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.system.manner import manner
+from cosim.master.fmu.binding import OK
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.log import Log
 from cosim.master.kernel.native import FMI2_TYPE_CODES, TYPE_CODES, library
@@ -173,6 +174,18 @@ class Isolated:
     def load_state(self, content: bytes) -> int:
         """Restore what ``save_state`` returned."""
         return self._ask("load_state", content)
+
+    def keep_state(self) -> tuple[int, bytes]:
+        """The status, and the state: bytes, which any process can take."""
+        return self.save_state()
+
+    def put_state(self, state: bytes) -> int:
+        """Go back to a state that was kept."""
+        return self.load_state(state)
+
+    def drop_state(self, state: bytes) -> int:
+        """Nothing but bytes was kept."""
+        return OK
 
     def missing_state_functions(self) -> list[str]:
         """What the library lacks to save and to load a state."""

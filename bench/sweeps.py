@@ -1,0 +1,134 @@
+"""What repeating runs costs beside the loops themselves: ``python bench/sweeps.py``.
+
+Bare loops and sweeps take turns, each on every processor, so that other load hits both alike. The
+bare sum of loops over the processors is what no sweep can beat.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+from cosim.master.run.simulation import assemble
+from cosim.reading import FORMS
+from cosim.sweep.job import Task
+from cosim.sweep.planning.plan import Request, SweepPlan, plan_of
+from cosim.sweep.work.pool import LocalPool, processors
+from cosim.sweep.work.runner import PointRunner
+
+BOX, AXIS = "two_users_box", "single_axis_distributed"
+
+
+def bare(scenario: str, runs: int) -> float:
+    """The loops alone (s): FMUs reset between them, nothing recorded, nothing looked at."""
+    plan = plan_for(scenario, 1)
+    runner_scenario = replace(_first(plan), expect={})
+    total = 0.0
+    with assemble(runner_scenario) as simulation:
+        simulation.run(keep_fmus=True)
+        for _ in range(runs):
+            simulation.renew(simulation.assembly)
+            simulation.run(keep_fmus=True)
+            total += simulation.outcome.wall_time
+    return total
+
+
+def bare_everywhere(scenario: str, runs: int, workers: int) -> float:
+    """The time (s) that the loops alone of so many runs take, spread over processes."""
+    command = [sys.executable, __file__, "--bare", scenario, str(runs // workers)]
+    started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(workers)]
+    return sum(float(process.communicate()[0]) for process in started) / workers
+
+
+def plan_for(scenario: str, runs: int, **more: object) -> SweepPlan:
+    given = {"sets": ["duration=0.5 s", "expect=~"], "check_every": 100, **more}
+    return plan_of(Request(scenario=scenario, seeds=runs, **given), FORMS)  # type: ignore[arg-type]
+
+
+def swept(plan: SweepPlan, pool: LocalPool, numbers: range) -> float:
+    """The time (s) of these points in a pool whose workers are up."""
+    began = time.perf_counter()
+    tasks = (Task(number, plan.points[number], str(number)) for number in numbers)
+    results = list(pool.run(tasks))
+    assert all(result.status == "good" for result in results), results[0]
+    return time.perf_counter() - began
+
+
+def compare(
+    title: str, scenario: str, runs: int, workers: int, rounds: int, **more: object
+) -> None:
+    plan = plan_for(scenario, runs, **more)
+    part = runs // rounds
+    ratios: list[float] = []
+    sums = [0.0, 0.0]
+    began = time.perf_counter()
+    with LocalPool(plan.job, workers) as pool:
+        pool.start()
+        up = time.perf_counter() - began
+        for turn in range(rounds):
+            loops = bare_everywhere(scenario, part, workers) if not more else None
+            wall = swept(plan, pool, range(turn * part, (turn + 1) * part))
+            if loops is not None:
+                ratios.append(wall / loops)
+                sums[0] += loops
+            sums[1] += wall
+    ratios.sort()
+    print(f"{title}: {runs} runs, {workers} workers, up after {up:.2f} s")
+    if ratios:
+        print(f"  bare sum of loops / workers {sums[0]:.2f} s, sweep {sums[1]:.2f} s")
+        print(f"  ratio {sums[1] / sums[0]:.2f} in all; of {rounds} rounds the median", end=" ")
+        print(f"{ratios[len(ratios) // 2]:.2f}, the best {ratios[0]:.2f}")
+    else:
+        print(f"  sweep {sums[1]:.2f} s, {1e3 * sums[1] * workers / runs:.2f} ms a run and worker")
+
+
+def single(runs: int) -> None:
+    """Single-axis half seconds a second and processor, in this process alone."""
+    plan = plan_for(AXIS, runs, check_every=0)
+    with PointRunner(plan.job) as runner:
+        tasks = [Task(n, point, str(n)) for n, point in enumerate(plan.points)]
+        for task in tasks[:20]:
+            runner.run(task)
+        wall, used = time.perf_counter(), time.process_time()
+        for task in tasks:
+            runner.run(task)
+        wall, used = time.perf_counter() - wall, time.process_time() - used
+    loops = bare(AXIS, runs)
+    print(f"single axis, half a second: {runs / wall:.0f} a second ({runs / used:.0f} a second of")
+    print(f"  processor time), bare loops alone {runs / loops:.0f} a second")
+
+
+def _first(plan: SweepPlan):
+    from cosim.sweep.work.variants import Variants
+
+    return Variants(plan.job).scenario(plan.points[0])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bare", nargs=2, metavar=("SCENARIO", "RUNS"))
+    parser.add_argument("--runs", type=int, default=4000)
+    parser.add_argument("--rounds", type=int, default=8)
+    chosen = parser.parse_args()
+    if chosen.bare:
+        print(bare(chosen.bare[0], int(chosen.bare[1])))
+        return
+    workers = processors()
+    compare("half a second of two_users_box", BOX, chosen.runs, workers, chosen.rounds)
+    compare(
+        "the half second after 2 s, begun there",
+        BOX,
+        chosen.runs // 4,
+        workers,
+        1,
+        start="2 s",
+        sets=["duration=2.5 s", "expect=~", "channels.lan.loss=0.1"],
+    )
+    single(chosen.runs // 2)
+
+
+if __name__ == "__main__":
+    main()
