@@ -16,18 +16,25 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cosim.base.component import Causality, Component, Variable, VariableType
-    from cosim.reading import load
+    from cosim.reading import edit, load
     from cosim.record import open_run
     from cosim.run import run_scenario as run
+    from cosim.scenario import Scenario
+    from cosim.sweep.ask import sweep
+    from cosim.sweep.theory import spectral_radius
 else:
     _HOMES = {
         "Causality": ("cosim.base.component", "Causality"),
         "Component": ("cosim.base.component", "Component"),
         "Variable": ("cosim.base.component", "Variable"),
+        "Scenario": ("cosim.scenario", "Scenario"),
         "VariableType": ("cosim.base.component", "VariableType"),
+        "edit": ("cosim.reading", "edit"),
         "load": ("cosim.reading", "load"),
         "open_run": ("cosim.record", "open_run"),
         "run": ("cosim.run", "run_scenario"),
+        "spectral_radius": ("cosim.sweep.theory", "spectral_radius"),
+        "sweep": ("cosim.sweep.ask", "sweep"),
     }
 
     def __getattr__(name: str) -> object:
@@ -44,4 +51,16 @@ else:
         return sorted({*globals(), *_HOMES})
 
 
-__all__ = ["Causality", "Component", "Variable", "VariableType", "load", "open_run", "run"]
+__all__ = [
+    "Causality",
+    "Component",
+    "Scenario",
+    "Variable",
+    "VariableType",
+    "edit",
+    "load",
+    "open_run",
+    "run",
+    "spectral_radius",
+    "sweep",
+]

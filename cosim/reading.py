@@ -5,9 +5,10 @@ This is the one module that names all of them, so that the reader itself need no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cosim.base.errors import InputError
 from cosim.base.system.installed import registered
@@ -50,6 +51,26 @@ def _expect() -> type[BaseModel]:
 
 
 FORMS: Forms = {"safety": _safety, "realtime": _realtime, "link": _link, "expect": _expect}
+
+
+def edit(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+    """A scenario with other values, by place: ``{"components.hand.parameters.mass": 0.2}``.
+
+    Places are those of ``--set``; the scenario that is given stays as it is.
+
+    Raises:
+        InputError: one or more (``InputErrors``) problems, each with its place.
+    """
+    from cosim.analysis.compensation import tuned
+    from cosim.scenario.load import Written
+
+    sets = [f"{place}={_written(value)}" for place, value in values.items()]
+    return tuned(Written(scenario.file, scenario.root, FORMS).changed(sets)).built()
+
+
+def _written(value: Any) -> str:
+    """A value as YAML, on one line."""
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def load(

@@ -12,9 +12,10 @@ from cosim.base.errors import CohapticError
 from cosim.base.system.garbage import collect_seldom
 from cosim.cli.support.stdout import reserve_stdout
 
-# Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``.
+# Command name -> one-line help. The command itself is ``cosim.cli.<name>:command``, or in HOMES.
 COMMANDS = {
     "check": "Read a scenario, load its FMUs, and report every problem in one go.",
+    "compare": "Tell in what two runs differ: scenario, measures, first tick and signal.",
     "device": "Real devices: find, check, home, calibrate, emulate.",
     "doctor": "Look whether this machine can run devices, and say what to do.",
     "fmu": "List, inspect, validate, export, write and build FMUs.",
@@ -26,13 +27,18 @@ COMMANDS = {
     "play": "Take a user's place by hand, in a browser.",
     "record": "Look into a run folder: digest, summary, export.",
     "render": "Draw the scene of a run as a gif, webp or mp4.",
+    "replay": "Compute a run again, and tell whether it is the same, bit for bit.",
     "run": "Run a scenario and record it.",
+    "runs": "List runs, and find those that have a value.",
     "ssp": "Read systems of SSP and OSP, and write scenarios as SSP.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",
     "sweep": "Run a scenario many times: grids, samples, seeds, boundaries.",
     "thesis": "Rerun the experiments of chapters 7 and 8 and judge the thesis by them.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
 }
+
+HOMES = {"compare": "recorded.compare", "replay": "recorded.replay", "runs": "recorded.listing"}
+"""Modules of commands that are called otherwise than the command."""
 
 
 class LazyGroup(click.Group):
@@ -46,7 +52,7 @@ class LazyGroup(click.Group):
         """Import and return one command, or ``None`` where there is none of that name."""
         if cmd_name not in COMMANDS:
             return None
-        command: Any = importlib.import_module(f"cosim.cli.{cmd_name}").command
+        command: Any = importlib.import_module(f"cosim.cli.{HOMES.get(cmd_name, cmd_name)}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
+import sys
 from pathlib import Path
 
 import click
 
+from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
 
@@ -21,8 +24,11 @@ def command() -> None:
 
 @command.command("digest", cls=JsonCommand)
 @click.argument("runs", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--expect", metavar="DIGEST|RUN", help="What each has to have, or the run that has it; else 1."
+)
 @JSON
-def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
+def digest_command(runs: tuple[Path, ...], *, expect: str | None, as_json: bool) -> None:
     """Print a hash over ticks, names, units and values: equal runs have equal digests."""
     from cosim.record import digest, open_run
 
@@ -30,11 +36,30 @@ def digest_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
     for folder in runs:
         with open_run(folder) as run:
             found[str(folder)] = digest(run)
+    wanted = None if expect is None else _expected(expect)
+    others = [name for name, value in found.items() if wanted not in {None, value}]
     if as_json:
-        click.echo(json.dumps({"digests": found, "equal": len(set(found.values())) == 1}))
+        equal = len({*found.values(), *([wanted] if wanted else [])}) == 1
+        click.echo(json.dumps({"digests": found, "equal": equal}))
     else:
         for name, value in found.items():
             click.echo(f"{value}  {name}")
+    for name in others:
+        click.echo(f"{name} is not {expect}", err=as_json)
+    if others:
+        sys.exit(1)
+
+
+def _expected(text: str) -> str:
+    """A digest that was given, or that of a run."""
+    from cosim.record import digest, open_run
+
+    if Path(text).exists():
+        with open_run(text) as run:
+            return digest(run)
+    if re.fullmatch(r"[0-9a-fA-F]{64}", text) is None:
+        raise InputError(f"--expect {text}: it is neither a run nor a digest of 64 digits.")
+    return text.lower()
 
 
 @command.command("summary", cls=JsonCommand)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.component import Causality, Cells, Component, Role, Setup, Variable, VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
-from cosim.record.reader import open_run
+from cosim.record.reader import Values, open_run
 from cosim.scenario import Kind
 from cosim.scenario import ScenarioComponent as Written
 
@@ -25,7 +26,14 @@ class Playback(Component):
 
     feedthrough = False
 
-    def __init__(self, folder: Path, component: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        component: str,
+        terminals: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+    ) -> None:
+        """``terminals`` are those of the recorded component, which its record does not have."""
+        self._terminals = terminals
         self._folder = folder
         self._variables: list[Variable] = []
         self._values: dict[str, tuple[int, NDArray[np.int64]]] = {}
@@ -50,6 +58,8 @@ class Playback(Component):
                         ),
                         unit=column.unit,
                         description=column.description,
+                        # What a device could not measure was recorded as NaN.
+                        role=Role.SIMULATION_ONLY if _has_holes(signal.values) else None,
                         meaning=column.meaning,
                         belongs_to=column.belongs_to,
                     )
@@ -84,6 +94,19 @@ class Playback(Component):
         ]
         self.evaluate(0)
 
+    @property
+    def terminals(self) -> Mapping[str, Mapping[str, str]]:
+        """As far as their members were recorded; of an array each element is a member."""
+        return {
+            name: {
+                f"{member}{variable.name.removeprefix(of)}": variable.name
+                for member, of in members.items()
+                for variable in self._variables
+                if variable.name == of or variable.name.startswith(f"{of}[")
+            }
+            for name, members in self._terminals.items()
+        }
+
     def evaluate(self, tick: int) -> None:
         """Show the recorded row of this tick, or the last one before it.
 
@@ -106,6 +129,10 @@ class Playback(Component):
         """Nothing to load."""
 
 
+def _has_holes(values: Values) -> bool:
+    return values.dtype.kind == "f" and bool(np.isnan(values).any())
+
+
 def play(written: Written) -> Playback:
     """The component that a scenario plays back.
 
@@ -113,7 +140,7 @@ def play(written: Written) -> Playback:
         InputError: its run cannot be read, or has nothing recorded of it.
     """
     played = written.options.get("component") or written.name
-    return Playback(Path(written.source), str(played))
+    return Playback(Path(written.source), str(played), written.options.get("terminals") or {})
 
 
 KINDS = {Kind.PLAYBACK: play}

@@ -6,6 +6,7 @@ complete rows in each group.
 
 from __future__ import annotations
 
+import importlib
 import json
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping
@@ -240,6 +241,30 @@ class Run:
         path = self.folder / SCENARIO_FILE
         return path.read_text(encoding="utf-8") if path.exists() else ""
 
+    def to_dataframe(self, *patterns: str) -> Any:
+        """A pandas table: a row a time (s), a column a signal, slower signals held.
+
+        Names, and patterns with ``*`` and ``?``, choose signals. ``attrs["units"]`` has the units.
+
+        Raises:
+            InputError: a pattern matches nothing, or pandas is not installed.
+        """
+        return _labelled().to_dataframe(self, patterns)
+
+    def to_xarray(self, *patterns: str) -> Any:
+        """An xarray dataset: each signal over its own times (s), with unit and description.
+
+        Raises:
+            InputError: a pattern matches nothing, or xarray is not installed.
+        """
+        return _labelled().to_xarray(self, patterns)
+
+    def __repr__(self) -> str:
+        return str(_labelled().outline(self))
+
+    def _repr_html_(self) -> str:
+        return str(_labelled().outline_html(self))
+
     def close(self) -> None:
         """Close the file; signals cannot be read afterwards."""
         self._close()
@@ -249,6 +274,11 @@ class Run:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _labelled() -> Any:
+    """What shows a run to people; it stands above this module, which knows it by name alone."""
+    return importlib.import_module("cosim.record.labelled")
 
 
 def open_run(path: str | Path) -> Run:

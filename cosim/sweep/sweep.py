@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import sys
 import time
@@ -56,7 +57,7 @@ Follow = Callable[[Step], None]
 """Told after each run how far the sweep is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SweepOutcome:
     """What came out of a sweep.
 
@@ -77,12 +78,47 @@ class SweepOutcome:
         """Runs that are not good."""
         return [result for result in self.results if not result.is_good]
 
+    def to_dataframe(self) -> Any:
+        """A pandas table: a row a run, a column a variable, measure or verdict.
+
+        Raises:
+            InputError: pandas is not installed.
+        """
+        return _shown("frames").to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """An xarray dataset over the variables, where the points are a grid.
+
+        Raises:
+            InputError: xarray is not installed, or the points are a sample.
+        """
+        return _shown("frames").to_xarray(self)
+
+    def plot(self, file: str | Path | None = None) -> Path:
+        """Draw a map, a curve or a histogram, into the sweep's folder unless told otherwise."""
+        place = self.folder / "sweep.png" if file is None else Path(file)
+        _shown("figures").draw_sweep(self, place)
+        return place
+
+    def __repr__(self) -> str:
+        return str(_shown("frames").outline(self))
+
+    def _repr_html_(self) -> str:
+        import html
+
+        return f"<pre>{html.escape(repr(self))}</pre>"
+
     @property
     def disagreements(self) -> int | None:
         """Runs whose verdict is not what the theory says; ``None`` where it says nothing."""
         if self.theory is None or not any(result.passed for result in self.results):
             return None
         return sum(each.is_good != is_stable(self.theory[each.number]) for each in self.results)
+
+
+def _shown(how: str) -> Any:
+    """What shows an outcome; it stands above this module, which knows it by name alone."""
+    return importlib.import_module(f"cosim.sweep.results.{how}")
 
 
 def run_sweep(

@@ -55,7 +55,7 @@ class Request:
     ``set`` (places) and ``values``.
     """
 
-    scenario: str | Path
+    scenario: str | Path | Written
     overlays: Sequence[str | Path] = ()
     sets: Sequence[str] = ()
     vary: Mapping[str, Any] = field(default_factory=dict[str, Any])
@@ -110,7 +110,11 @@ def plan_of(request: Request, forms: Forms | None = None) -> SweepPlan:
     Raises:
         InputError: the scenario cannot be read, or what is asked for cannot be.
     """
-    written = read(request.scenario, request.overlays, request.sets, forms=forms)
+    given = request.scenario
+    if isinstance(given, Written):
+        written = given.changed(request.sets)
+    else:
+        written = read(given, request.overlays, request.sets, forms=forms)
     written = _expecting(written, request.expect)
     axes = [_axis(written, name, given) for name, given in request.vary.items()]
     if request.seeds is not None:

@@ -1,0 +1,111 @@
+"""``cohaptic compare``: in what two runs differ."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.values import FIGURES, OutputFile
+
+if TYPE_CHECKING:
+    from cosim.record.reader import Run
+    from cosim.report.comparison import Change, RunComparison
+
+SHOWN = 12
+DRAWN = 4
+
+
+@click.command("compare", cls=JsonCommand)
+@click.argument("one", type=click.Path(path_type=Path))
+@click.argument("other", type=click.Path(path_type=Path))
+@click.option(
+    "--figure",
+    type=OutputFile(FIGURES),
+    help="Draw the first signals that differ, both runs over one another.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def command(one: Path, other: Path, *, figure: Path | None, as_json: bool) -> None:
+    """Tell in what the run OTHER differs from the run ONE.
+
+    The scenario, versions, measures, and the first tick and signal that differ, bit for bit. Exit
+    status: 0 both have the same signals and values, 1 they have not, 2 one cannot be read.
+    """
+    from cosim.record import open_run
+    from cosim.report.comparison import compare_runs
+
+    with ExitStack() as stack:
+        runs = [stack.enter_context(open_run(folder)) for folder in (one, other)]
+        found = compare_runs(*runs)
+        if figure is not None and found.signals:
+            _draw(runs, [each.name for each in found.signals[:DRAWN]], figure)
+        if as_json:
+            click.echo(json.dumps({"equal": found.are_equal, **asdict(found)}))
+        else:
+            click.echo("\n".join(_lines(found, runs)))
+    sys.exit(int(not found.are_equal))
+
+
+def _draw(runs: list[Run], names: list[str], figure: Path) -> None:
+    from fractions import Fraction
+
+    from cosim.plot.figure import draw
+    from cosim.plot.kinds import KINDS
+    from cosim.plot.series import Span, select
+
+    draw(KINDS["time"](select(runs, names), Span(Fraction(0), None)), figure)
+
+
+def _lines(found: RunComparison, runs: list[Run]) -> list[str]:
+    lines: list[str] = []
+    for title, changes in (
+        ("scenario", found.scenario),
+        ("versions", found.versions),
+        ("measures", found.measures),
+    ):
+        lines += _section(title, changes)
+    for run, names in zip(runs, found.only_in, strict=True):
+        if names:
+            shown = ", ".join(names[:SHOWN])
+            more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+            lines.append(f"only {run.folder} has {shown}{more}")
+    if found.lengths[0] != found.lengths[1]:
+        lines.append(f"{found.lengths[0]} ticks, and {found.lengths[1]}")
+    if found.signals:
+        first = found.signals[0]
+        time = float(first.tick / runs[0].base_rate)
+        lines.append(
+            f"{len(found.signals)} signals differ, first {first.name} at tick {first.tick} "
+            f"(t = {time:g} s)"
+        )
+        width = max(len(each.name) for each in found.signals[:SHOWN])
+        lines += [
+            f"  {each.name.ljust(width)}  since tick {each.tick}, {each.rows} rows, by up to "
+            f"{each.largest:.3g} {each.unit}".rstrip()
+            for each in found.signals[:SHOWN]
+        ]
+        if len(found.signals) > SHOWN:
+            lines.append(f"  and {len(found.signals) - SHOWN} more")
+    else:
+        length = min(found.lengths)
+        lines.append(f"no value differs in the first {length} ticks, bit for bit")
+    return lines
+
+
+def _section(title: str, changes: list[Change]) -> list[str]:
+    lines = [f"  {path}: {_show(one)} → {_show(other)}" for path, one, other in changes[:SHOWN]]
+    more = [f"  and {len(changes) - SHOWN} more"] if len(changes) > SHOWN else []
+    return [title, *lines, *more] if changes else []
+
+
+def _show(value: Any) -> str:
+    if value is None:
+        return "nothing"
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= 60 else f"{text[:57]}…"
