@@ -116,6 +116,7 @@ def _made() -> tuple[Device, CanBus]:
     )
     bus.users[device] = ()
     device._bus, device._nodes, device._sequence, device._closed = bus, (0, 1), 0, False
+    device._expired_bit = 0x01000000
     device._silence, device._silent_ticks, device._running = {0: 0, 1: 0}, 31, False
     device._seen, device._beats, device._states = {0: 0, 1: 0}, {0: 0, 1: 0}, {0: 0, 1: 0}
     device.state = State.INACTIVE

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, pi
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -84,7 +84,21 @@ class OdriveSettings(DriverSettings):
     current_limit: Annotated[
         float, QuantityIn(unit="A", what="current, such as 10", above=0, most=1000)
     ] = Field(default=10.0, description="Largest motor current (A).")
+    firmware: Literal["0.5", "0.6"] = Field(
+        default="0.6", description="The board's firmware, in quotes."
+    )
     watchdog: OdriveWatchdog = Field(default=OdriveWatchdog(), description="The axes' watchdog.")
+
+    @model_validator(mode="after")
+    def _has_endpoints(self) -> OdriveSettings:
+        watchdog = self.watchdog
+        given = watchdog.timeout_endpoint is not None or watchdog.enable_endpoint is not None
+        if self.firmware == "0.5" and given:
+            raise problem(
+                "firmware 0.5 has no endpoints on CAN: set its watchdog over USB, and give "
+                "'timeout' alone here."
+            )
+        return self
 
 
 class OdriveDriver(Driver):
@@ -121,6 +135,7 @@ class OdriveDriver(Driver):
         self._silence = dict.fromkeys(self._nodes, 0)
         self._silent_ticks = ceil(LONGEST_SILENCE / self.tick)
         self._running = False
+        self._expired_bit = wire.WATCHDOG_EXPIRED[self.file.settings_of(OdriveSettings).firmware]
         self._states = dict.fromkeys(self._nodes, 0)
         self._expired: set[int] = set()
         self._sequence, self._closed = 0, False
@@ -189,7 +204,7 @@ class OdriveDriver(Driver):
             fresh += 1
             fired |= self._has_expired(node, error)
             if not self._closed:
-                error &= ~wire.WATCHDOG_EXPIRED  # an idle axis that nobody talks to; it is cleared
+                error &= ~self._expired_bit  # an idle axis that nobody talks to; it is cleared
             if error:
                 wrong = BoardError(f"ODrive axis {node} reports error 0x{error:08x}")
             elif self._closed and self._states[node] != wire.CLOSED_LOOP:
@@ -217,7 +232,7 @@ class OdriveDriver(Driver):
 
     def _has_expired(self, node: int, error: int) -> bool:
         """Whether by now the watchdogs of both axes have fired in closed loop."""
-        if not (self._closed and error & wire.WATCHDOG_EXPIRED):
+        if not (self._closed and error & self._expired_bit):
             self._expired.discard(node)
             return False
         self._expired.add(node)

@@ -94,7 +94,7 @@ class OdriveBoard(Board):
             axis.silence += 1
             limit = axis.watchdog_ticks
             if axis.enabled and limit is not None and axis.silence > limit:
-                axis.error |= WATCHDOG_EXPIRED
+                axis.error |= WATCHDOG_EXPIRED["0.6"]
                 axis.state, axis.torque = IDLE, 0.0
         self._apply()
         frames: list[Unit] = [] if self._estimated else self._estimates()

@@ -35,7 +35,8 @@ _STATES = {
     CLOSED_LOOP: "in closed loop",
 }
 TORQUE_CONTROL, PASSTHROUGH = 1, 1
-WATCHDOG_EXPIRED = 0x01000000
+WATCHDOG_EXPIRED = {"0.5": 0x800, "0.6": 0x01000000}
+"""The error bit of an expired watchdog, by firmware; 0x800 is a brake's current in 0.6."""
 DEVICE_COMMANDS = frozenset(
     {OdriveCommand.HEARTBEAT, OdriveCommand.ESTIMATES, OdriveCommand.READ_ENDPOINT}
 )

@@ -93,7 +93,8 @@ def active(axes: Axes) -> Iterator[Callable[..., Device]]:
 def _device(watchdog: dict[str, Any] | None = None, **proof: Any) -> Device:
     document: dict[str, Any] = {"driver": "odrive", "home": HOME}
     if watchdog is not None:
-        document |= {"settings": {"watchdog": watchdog}, "watchdog_proof": proof}
+        settings = {"watchdog": watchdog, "firmware": proof.pop("firmware", "0.6")}
+        document |= {"settings": settings, "watchdog_proof": proof}
     device = Device(OdriveDriver, parse(URL), parse_file(document))
     device.permission = emulated(URL, None)
     return device
@@ -162,3 +163,22 @@ def test_a_watchdog_of_more_than_100_ms_is_none(axes: Axes, active, timeout: flo
     said = device.fault_sentence()
     assert ("its own watchdog" in said) is trusted
     assert ("output unknown" in said) is not trusted
+
+
+@pytest.mark.parametrize(
+    ("firmware", "error", "expired"),
+    [
+        ("0.5", 0x800, True),
+        ("0.6", 0x800, False),
+        ("0.6", 0x01000000, True),
+        ("0.5", 1 << 24, False),
+    ],
+)
+def test_an_expired_watchdog_is_known_by_the_firmware_s_own_bit(
+    axes: Axes, active, firmware: str, error: int, expired: bool
+):
+    proof = {"date": "2026-11-22", "timeout": 0.02, "fired_after": 0.02}
+    device = active(watchdog={"timeout": 0.02}, firmware=firmware, **proof)
+    axes.error = {0: error, 1: error}
+    seen = [device.driver.receive().watchdog_fired for _ in range(12)]
+    assert any(seen) is expired

@@ -219,6 +219,11 @@ SETTINGS: dict[Key, tuple[str, dict[str, Any], dict[str, Any]]] = {
     ("HaplySettings", "device"): (HAPLY, {}, {"device": 6}),
     ("OdriveSettings", "current_limit"): (ODRIVE, {}, {"current_limit": 5}),
     ("OdriveSettings", "watchdog"): (ODRIVE, {}, {"watchdog": ENDPOINTS}),
+    ("OdriveSettings", "firmware"): (
+        ODRIVE,
+        {"watchdog": ENDPOINTS},
+        {"firmware": "0.5", "watchdog": {"timeout": 0.02}},
+    ),
     **{
         ("OdriveWatchdog", name): (
             ODRIVE,
