@@ -146,8 +146,8 @@ CASES: dict[Key, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
     ("ComponentForm", "flavour"): ({}, fmu(flavour="fmi3"), fmu(flavour="fmi2")),
     ("ComponentForm", "substeps"): (
         {},
-        fmu(fmu="object", start={"force": [1.0, 0.0, 0.0, 0.0]}),
-        fmu(fmu="object", start={"force": [1.0, 0.0, 0.0, 0.0]}, substeps=4),
+        fmu(fmu="object", start={"force": [1.0] + 16 * [0.0]}),
+        fmu(fmu="object", start={"force": [1.0] + 16 * [0.0]}, substeps=4),
     ),
     ("ComponentForm", "feedthrough"): (LOOP, {}, part("c", feedthrough=False)),
     ("ComponentForm", "device"): (

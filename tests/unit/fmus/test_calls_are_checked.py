@@ -138,9 +138,9 @@ def test_sizes_of_arrays_are_checked() -> None:
     with Fmu("object", "fmi3-arrays") as fmu:
         fmu.start()
         reference = ctypes.c_uint32(fmu.variables["force"].valueReference)
-        values = (ctypes.c_double * 4)()
-        for count in (0, 1, 3, 5):
-            with refused(fmu, "4 elements"):
+        values = (ctypes.c_double * 18)()
+        for count in (0, 1, 16, 18):
+            with refused(fmu, "17 elements"):
                 fmu.call(
                     "SetFloat64",
                     ctypes.byref(reference),

@@ -67,7 +67,7 @@ def test_object_samples_and_holds_its_own_forces(
     x = np.array([0.0, 0.3])
     for force in forces:
         total = sum(force) - compensation * x[1] - stiffness * (x[0] - place) - damping * x[1]
-        body["force"] = force
+        body["force"] = (*force, *(0.0,) * 13)
         body.step()
         x = exact_step(x, total, 0.4, STEP)
     assert [body["position"], body["velocity"]] == pytest.approx(x, rel=1e-11, abs=1e-12)

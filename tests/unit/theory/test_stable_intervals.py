@@ -79,7 +79,8 @@ def test_rho_of_a_rational_ratio_lies_between_its_neighbours() -> None:
     parameters = Parameters("distributed", {"k_12": 900.0}, CHAPTER_5["distributed"])
     radii = [
         stability(
-            parameters.model(), Timing(ratio=ratio, delay=PathDelay.round_trip(1))
+            parameters.model(),
+            Timing(ratio=ratio, delay=PathDelay.round_trip(1), sampling="between_ticks"),
         ).spectral_radius
         for ratio in (Fraction(8), Fraction(17, 2), Fraction(9))
     ]
