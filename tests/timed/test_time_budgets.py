@@ -1,6 +1,6 @@
 """What the project promises about time, measured by its own benches.
 
-A limit is missed only where the machine kept time beside it, three times.
+A limit is missed only where the machine kept time beside it, three times. It has to be idle.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ import pytest
 from tests.support.machine import timed
 
 BENCH = Path(__file__).parents[2] / "bench"
+pytestmark = pytest.mark.slow
+
 STALL = 0.02
 """Lateness (s) of the probe from which an attempt says nothing."""
 
