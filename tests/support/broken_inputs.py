@@ -220,7 +220,7 @@ CHANGES: dict[str, tuple[str, ...]] = {
         "- hand.position -> coupler.velocity_a via lan",
         "- hand.position -> object.force[2] via lan",
     ),
-    "object.force[1]": ("object.force[0]", "object.force[9]", "object.force[x]", "object.forc[1]"),
+    "object.force[1]": ("object.force[0]", "object.force[18]", "object.force[x]", "object.forc[1]"),
     "record: [hand.*,": (
         *(
             "record: [hnd.*,",
