@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import signal
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # A shell starts background jobs with Ctrl-C ignored, and so would everything that they start.
@@ -28,3 +29,15 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("repeatable")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test that is marked ``one_in(n)``, every n-th case is slow and the others exhaustive."""
+    seen: dict[str, int] = {}
+    for item in items:
+        marker = item.get_closest_marker("one_in")
+        if marker is not None:
+            name = item.nodeid.partition("[")[0]
+            number = seen[name] = seen.get(name, -1) + 1
+            item.add_marker("exhaustive" if number % marker.args[0] else "slow")
