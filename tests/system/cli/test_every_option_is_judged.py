@@ -25,6 +25,7 @@ READ = {
     "device conform --file",
     *("merge RUNS", "record compact RUN", "record digest RUNS", "record export RUN"),
     *("record list RUN", "record summary RUN", "render RUN", "ssp import FILE"),
+    *("compare ONE", "compare OTHER", "replay RUN", "runs FOLDER"),
 }
 """Paths that are read, or created by what refuses them itself (a key)."""
 LOOP = ("--architecture", "distributed")
