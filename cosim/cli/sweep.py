@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from cosim.sweep.sweep import Follow, Step, SweepOutcome
 
 
+MOST = 1_000_000
+COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
+
+
 @click.command("sweep", cls=JsonCommand)
 @click.argument("what", metavar="PLAN|SCENARIO")
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay another file over it.")
@@ -32,19 +36,17 @@ if TYPE_CHECKING:
     help="Vary a value: vr_*.mass=0.2,0.4 or lan.loss=0..0.5/6 or lan.round_trip_delay=0..39 or "
     "coupler_1.stiffness='100..8000/40 log'; may be repeated.",
 )
-@click.option(
-    "--seeds", type=click.IntRange(1, 1_000_000), metavar="N", help="Repeat with the seeds 1 to N."
-)
+@click.option("--seeds", type=COUNT, metavar="N", help="Repeat with the seeds 1 to N.")
 @click.option(
     "--sample",
     type=click.Choice(["grid", "latin_hypercube", "sobol"]),
     default=None,
     help="How points are chosen from the ranges.  [default: grid]",
 )
-@click.option("--points", type=click.IntRange(1, 1_000_000), help="How many points a sample has.")
+@click.option("--points", type=COUNT, help="How many points a sample has.")
 @click.option(
     "--sample-seed",
-    type=click.IntRange(0, 2**31),
+    type=SEED,
     help="What a sample is drawn from.  [default: 0]",
 )
 @click.option(
@@ -67,13 +69,11 @@ if TYPE_CHECKING:
     "[default: sweeps/<scenario>-<n>]",
 )
 @click.option(
-    "--workers", type=click.IntRange(0, 1024), help="Processes; 0: this one.  [default: all]"
+    "--workers", type=click.IntRange(0, 1024), help="Processes; 0: this one. [default: all]"
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Dask's scheduler, as tcp://host:8786.")
 @click.option("--timeout", type=Quantity("s"), help="The longest that one run may take.")
-@click.option(
-    "--check-every", type=click.IntRange(0, 1_000_000), metavar="N", help="Compare 1 in N; 0: none."
-)
+@click.option("--check-every", type=click.IntRange(0, MOST), metavar="N", help="Compare 1 in N.")
 @click.option("--figure/--no-figure", default=True, help="Draw sweep.png.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON object.")
 def command(
