@@ -16,7 +16,7 @@ import pytest
 from tests.support.fmus import sanitized
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.exhaustive,
     pytest.mark.skipif(
         sys.platform != "linux" or shutil.which("gcc") is None, reason="gcc brings the sanitizers"
     ),

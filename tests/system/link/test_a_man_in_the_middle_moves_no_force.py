@@ -75,9 +75,9 @@ def test_the_twenty_of_the_real_sockets_hold_what_is_hardest() -> None:
     assert len(found) == 5, found
 
 
-LONG = (pytest.mark.slow, *3 * (pytest.mark.exhaustive,))
-SEEDS = [*range(12), *(pytest.param(seed, marks=LONG[seed % 4]) for seed in range(12, 700))]
-TRIPLES = [*range(2), *(pytest.param(seed, marks=LONG[seed % 4]) for seed in range(2, 300))]
+LONG = (pytest.mark.slow, *7 * (pytest.mark.exhaustive,))
+SEEDS = [*range(12), *(pytest.param(seed, marks=LONG[seed % 8]) for seed in range(12, 700))]
+TRIPLES = [*range(2), *(pytest.param(seed, marks=LONG[seed % 8]) for seed in range(2, 300))]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

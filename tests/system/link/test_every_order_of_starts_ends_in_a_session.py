@@ -83,7 +83,7 @@ def test_three_are_started_in_any_order(order: list[tuple[str, str]], gap: int) 
     in_order(order, gap)
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize(
     ("order", "gap"),
     every(
@@ -101,7 +101,7 @@ def test_two_are_started_killed_and_restarted_in_every_order(
     in_order(order, gap)
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize(
     ("order", "gap"),
     [
@@ -133,7 +133,7 @@ def test_one_of_two_is_restarted_at_any_moment(victim: str, moment: str, away: s
     )
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("away", AWAY)
 @pytest.mark.parametrize("moment", MOMENTS)
 @pytest.mark.parametrize("victims", ["aa", "ab", "ba", "bb"])
@@ -147,7 +147,7 @@ def test_two_restarts_of_two_stations(victims: str, moment: str, second: str, aw
     run("ab", events)
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("away", AWAY)
 @pytest.mark.parametrize("moment", MOMENTS)
 @pytest.mark.parametrize("victims", ["a", "b", "c", "ab", "bc", "ca", "abc"])

@@ -65,7 +65,7 @@ def test_the_values_are_the_same_in_every_flavour(tmp_path: Path, name: str, fla
         assert np.array_equal(one, other)
 
 
-@pytest.mark.slow
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", WHOLE)
 def test_every_bundled_scenario_has_the_same_bits(tmp_path: Path, name: str) -> None:
     scenario = load_tuned(name, forms=FORMS)

@@ -43,7 +43,7 @@ def test_corners_hold_in_the_simulation(number: int) -> None:
     check(number)
 
 
-@pytest.mark.slow
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("number", range(4, 50))
 def test_more_corners_hold_in_the_simulation(number: int) -> None:
     check(number)

@@ -87,7 +87,7 @@ def test_growth_and_frequency_of_the_grasp(number: int) -> None:
     check(*RUNS[number])
 
 
-@pytest.mark.slow
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("number", range(len(SLOW)))
 def test_growth_and_frequency_of_other_grasps(number: int) -> None:
     check(*SLOW[number])
