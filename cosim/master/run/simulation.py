@@ -119,7 +119,6 @@ class Simulation:
     def __init__(self, assembly: Assembly, whereabouts: Whereabouts | None = None) -> None:
         self.assembly = assembly
         self._whereabouts = whereabouts or Whereabouts()
-        self._is_watched = whereabouts is not None
         self.program = Program(
             assembly.parts,
             assembly.wiring,
@@ -525,11 +524,7 @@ class Simulation:
                     substeps=participant.substeps,
                     is_trusted=self.scenario.components[name].is_bundled,
                     is_isolated=participant.is_isolated,
-                    calling=(
-                        partial(self._whereabouts.note, name)
-                        if self._is_watched or participant.is_isolated
-                        else _note_nothing
-                    ),
+                    calling=partial(self._whereabouts.note, name),
                 )
             fmu = self._fmus[name]
             told(name, "being instantiated and given its values")
@@ -687,10 +682,6 @@ class Simulation:
             record = self.program.records[number]
             if record.row_count:
                 sink.commit(number, -(-first // group.period) * group.period, record.row)
-
-
-def _note_nothing(call: str) -> None:
-    del call
 
 
 def _tell_nobody(component: str, what: str) -> None:
