@@ -48,9 +48,10 @@ class WeightedJitter(Form):
 
 
 def _tag(value: Any) -> str:
+    """No key of the form that it leads to: a path of findings has tags and keys alike."""
     if not isinstance(value, dict):
         return "plain"
-    return "weights" if "weights" in value else "rms"
+    return "by weights" if "weights" in value else "by rms"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -218,8 +219,8 @@ JITTER = Impairment(
     description="Extra delay, uniform from 0 to this.",
     form=Annotated[
         Annotated[Delay, Tag("plain")]
-        | Annotated[RmsJitter, Tag("rms")]
-        | Annotated[WeightedJitter, Tag("weights")],
+        | Annotated[RmsJitter, Tag("by rms")]
+        | Annotated[WeightedJitter, Tag("by weights")],
         Discriminator(_tag),
     ],
     resolve=_resolve,

@@ -3,13 +3,17 @@
 Nothing lists the forms: what is known at a place follows from the document's own type.
 """
 
+import json
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import pytest
 from pydantic import BaseModel, ValidationError
 
 from cosim.base.document.problems import known_keys
+from cosim.base.errors import InputError, InputErrors
+from cosim.scenario import load
 from cosim.scenario.form.document import document_form
 
 CHANNEL: dict[str, Any] = {"between": ["a", "b"]}
@@ -63,6 +67,23 @@ def test_what_may_be_written_there_is_what_is_known_there(case: str):
             document_form().model_validate(written)
         assert all(e["type"] != "extra_forbidden" for e in caught.value.errors()), key
         form.pop(key)
+
+
+@pytest.mark.parametrize("case", WRITTEN)
+def test_it_is_refused_where_it_stands(case: str, tmp_path: Path):
+    """Also where a union's tag has the name of a key, which once ended in a traceback."""
+    written = {**BASE, **deepcopy(WRITTEN[case])}
+    form = innermost({key: written[key] for key in WRITTEN[case]}) if WRITTEN[case] else written
+    form["no_such_key"] = 1
+    file = tmp_path / "case.yaml"
+    file.write_text(json.dumps(written, indent=1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(file)
+    found = caught.value.errors if isinstance(caught.value, InputErrors) else [caught.value]
+    (told,) = (error for error in found if "unknown key 'no_such_key'" in error.message)
+    lines = file.read_text(encoding="utf-8").splitlines()
+    assert str(told).startswith(f"{file}:")
+    assert "no_such_key" in lines[int(str(told).removeprefix(f"{file}:").split(":")[0]) - 1]
 
 
 def test_a_document_of_another_kind_is_asked_as_well():
