@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from cosim.base.component import Causality, Variable
 from cosim.base.meaning import Meaning, Slot
-from cosim.base.recording import Column, RecordGroup
+from cosim.base.recording import RecordGroup
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.interface import size_of
 from cosim.master.components.participants import Participant
@@ -41,15 +41,20 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
 
     Only what is recorded is drawn: a thing whose position is not has no entry.
     """
-    columns = [column for group in groups for column in group.columns]
-    known = {column.name for column in columns}
+    known: set[str] = set()
+    meant: dict[str, Signals] = {}
+    for column in (column for group in groups for column in group.columns):
+        known.add(column.name)
+        if column.meaning is not None:
+            signals = meant.setdefault(column.name.partition(".")[0], {})
+            signals.setdefault((column.meaning, column.belongs_to), []).append(column.name)
     boxes: list[dict[str, Any]] = []
     fingers: list[dict[str, Any]] = []
     bodies: list[dict[str, Any]] = []
     pointers: list[dict[str, Any]] = []
     walls: list[list[float]] = []
     for name, participant in assembly.participants.items():
-        signals = _meant(name, columns)
+        signals = meant.get(name, {})
         station = assembly.scenario.components[name].station
         if pose := _all(signals, POSE):
             boxes.append({"name": name, "station": station, "pose": pose, **_box(signals)})
@@ -76,41 +81,6 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
         "walls": walls,
         "channels": channels,
     }
-
-
-def signals_of(scene: Mapping[str, Any]) -> list[str]:
-    """Every recorded signal that a scene names, once, in order."""
-    return list(dict.fromkeys(_names(scene)))
-
-
-def _names(entry: Any) -> Iterator[str]:
-    if isinstance(entry, Mapping):
-        for key, value in cast("Mapping[str, Any]", entry).items():
-            if key in _SIGNAL_KEYS:
-                yield from [value] if isinstance(value, str) else value or ()
-            else:
-                yield from _names(value)
-    elif isinstance(entry, list):
-        for each in cast("list[Any]", entry):
-            yield from _names(each)
-
-
-_SIGNAL_KEYS = frozenset(
-    {
-        *("pose", "nodes", "penetration", "position", "force", "state", "normal_force"),
-        *("angles", "age", "sequence", "energy", "valid", "count"),
-    }
-)
-
-
-def _meant(component: str, columns: Iterable[Column]) -> Signals:
-    """The component's signals by what they mean and whose they are."""
-    found: Signals = {}
-    prefix = f"{component}."
-    for column in columns:
-        if column.meaning is not None and column.name.startswith(prefix):
-            found.setdefault((column.meaning, column.belongs_to), []).append(column.name)
-    return found
 
 
 def _all(signals: Signals, wanted: Iterable[Meaning], slot: Slot | None = None) -> list[str]:

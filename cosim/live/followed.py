@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.base.drawn import signals_of
 from cosim.base.errors import InputError
 from cosim.realtime.ring import Reader, Ring
 from cosim.realtime.watcher import LoopStatus, Watcher, find_feed
-from cosim.scene import signals_of
 
 KEPT_SECONDS = 2.0
 """What a viewer can be behind and still lose nothing."""

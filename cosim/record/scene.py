@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
+from cosim.base.drawn import signals_of
 from cosim.record.reader import Run
 
 SCENE_FILE = "scene.json"
@@ -22,15 +23,4 @@ def read_scene(folder: Path) -> dict[str, Any] | None:
 
 def recorded_of(scene: Mapping[str, Any], run: Run) -> list[str]:
     """The signals that a scene names and that were recorded, once, in order."""
-    return [name for name in dict.fromkeys(_texts(scene)) if name in run.signals]
-
-
-def _texts(entry: Any) -> Iterator[str]:
-    if isinstance(entry, str):
-        yield entry
-    elif isinstance(entry, Mapping):
-        for value in cast("Mapping[str, Any]", entry).values():
-            yield from _texts(value)
-    elif isinstance(entry, list):
-        for each in cast("list[Any]", entry):
-            yield from _texts(each)
+    return [name for name in signals_of(scene) if name in run.signals]

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from cosim import scene as scene_module
+from cosim.base.drawn import signals_of
 from cosim.master.run.simulation import assemble
 from cosim.reading import load
-from cosim.scene import describe_scene, signals_of
+from cosim.scene import describe_scene
 from tests.support.live.renamed import BOX, write_scenario
 
 
