@@ -1,4 +1,4 @@
-"""What every driver does about every fault: collected by the suite, kept in docs/safety.md."""
+"""What every driver does about every fault, as the suite sees it, kept in docs/safety.md."""
 
 from __future__ import annotations
 
@@ -8,37 +8,41 @@ from pathlib import Path
 PAGE = Path(__file__).parents[3] / "docs" / "safety.md"
 BEGIN, END = "<!-- fault table: written by the tests -->", "<!-- end of fault table -->"
 
-Table = dict[tuple[str, str], str]
-SEEN: Table = {}
-"""(driver, fault) -> what happened; filled in by the tests as they pass."""
+Table = dict[str, dict[str, str]]
+"""fault -> driver -> what happened, in the order of the page."""
 
 
-def render(table: Table) -> str:
-    drivers = sorted({driver for driver, _ in table})
-    faults = list(dict.fromkeys(fault for _, fault in sorted(table, key=_order(table))))
+def read() -> Table:
+    """The table as it stands on the page."""
+    _, rest = PAGE.read_text("utf-8").split(BEGIN)
+    lines = rest.split(END)[0].strip().splitlines()
+    (_, *drivers), _, *rows = ([c.strip() for c in line.strip("|").split("|")] for line in lines)
+    return {fault: dict(zip(drivers, cells, strict=True)) for fault, *cells in rows}
+
+
+def note(driver: str, fault: str, happened: str) -> None:
+    """Compare with the page's cell; COHAPTIC_WRITE_DOCS=1 writes it instead, in one process."""
+    table = read()
+    if os.environ.get("COHAPTIC_WRITE_DOCS") == "1":
+        table.setdefault(fault, {})[driver] = happened
+        _write(table)
+        return
+    assert table.get(fault, {}).get(driver) == happened, (
+        f"docs/safety.md does not say of {driver}, {fault}: {happened}; COHAPTIC_WRITE_DOCS=1 "
+        "writes it"
+    )
+
+
+def _write(table: Table) -> None:
+    drivers = sorted({driver for row in table.values() for driver in row})
     lines = [
         "| fault | " + " | ".join(drivers) + " |",
         "|---" * (len(drivers) + 1) + "|",
         *(
-            f"| {fault} | " + " | ".join(table.get((d, fault), "–") for d in drivers) + " |"
-            for fault in faults
+            f"| {fault} | " + " | ".join(row.get(driver, "–") for driver in drivers) + " |"
+            for fault, row in table.items()
         ),
     ]
-    return "\n".join(lines)
-
-
-def _order(table: Table):
-    seen = list(dict.fromkeys(fault for _, fault in table))
-    return lambda key: seen.index(key[1])
-
-
-def check(table: Table) -> None:
-    """Compare with the page; COHAPTIC_WRITE_DOCS=1 writes it instead."""
-    text = PAGE.read_text("utf-8")
-    head, rest = text.split(BEGIN)
-    old, tail = rest.split(END)
-    new = f"\n\n{render(table)}\n\n"
-    if os.environ.get("COHAPTIC_WRITE_DOCS") == "1":
-        PAGE.write_text(head + BEGIN + new + END + tail, "utf-8")
-        return
-    assert old == new, "docs/safety.md is not what the suite saw; COHAPTIC_WRITE_DOCS=1 writes it"
+    head, rest = PAGE.read_text("utf-8").split(BEGIN)
+    tail = rest.split(END)[1]
+    PAGE.write_text(head + BEGIN + "\n\n" + "\n".join(lines) + "\n\n" + END + tail, "utf-8")

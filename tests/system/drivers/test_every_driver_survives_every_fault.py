@@ -89,4 +89,4 @@ def test_outcome(name: str, fault: str, bench: Bench):
             assert "cut the power" in device.fault_sentence()
         rig.exchange(20, (0.01, -0.01))
         assert device.state is State.FAULT, "latched"
-    fault_table.SEEN[name, fault] = words(rig, faulted, oldest)
+    fault_table.note(name, fault, words(rig, faulted, oldest))

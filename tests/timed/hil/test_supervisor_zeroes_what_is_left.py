@@ -87,8 +87,8 @@ def test_a_loop_killed_at_any_byte_of_a_frame(name: str, offset: int, bench: Ben
     done = OFFSETS.setdefault(name, set())
     done.add(offset)
     if len(done) == frame_length(name) + 1:
-        fault_table.SEEN[name, KILLED] = (
-            f"the supervisor confirms zero, at each of {len(done)} byte offsets"
+        fault_table.note(
+            name, KILLED, f"the supervisor confirms zero, at each of {len(done)} byte offsets"
         )
 
 
@@ -119,9 +119,9 @@ def test_a_loop_that_ends_or_stands_still(name: str, how: str, bench: Bench):
         assert "stood still" in ending.reason
     assert (ending.status == 0) is (how == "returns")
     if how == "stopped":
-        fault_table.SEEN[name, STOPPED] = "the supervisor kills it and confirms zero"
+        fault_table.note(name, STOPPED, "the supervisor kills it and confirms zero")
     if how == "killed between frames" and name not in SERIAL:
-        fault_table.SEEN[name, KILLED] = "the supervisor confirms zero, between two whole frames"
+        fault_table.note(name, KILLED, "the supervisor confirms zero, between two whole frames")
 
 
 @pytest.mark.parametrize("name", DRIVERS)
@@ -155,7 +155,7 @@ def test_a_loop_whose_supervisor_died_zeroes_and_faults(name: str, bench: Bench)
     os.waitpid(supervisor, 0)
     assert os.read(said, 1) == b"y"
     assert rig.truth()["torque"] == [0.0, 0.0]
-    fault_table.SEEN[name, ORPHANED] = "fault (supervisor) at the next write; zero confirmed"
+    fault_table.note(name, ORPHANED, "fault (supervisor) at the next write; zero confirmed")
     rig.device.release()  # what the loop's process exchanged is not known here
     os.close(said)
     os.close(tell)
