@@ -15,6 +15,7 @@ from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
+from cosim.cli.support.drawings import drawing_options
 from cosim.cli.support.pace import miss_options, pace_of, refuse_without_realtime
 from cosim.cli.support.page import live_page, page_options, scene_of
 from cosim.cli.support.values import OutputFolder
@@ -66,12 +67,7 @@ if TYPE_CHECKING:
     metavar="RUN@TIME",
     help="In place of SCENARIO: go on from an earlier run at this time, and compare.",
 )
-@click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
-@click.option(
-    "--report/--no-report",
-    default=None,
-    help="Make report.html.  [default: as the figure]",
-)
+@drawing_options
 @click.option("--realtime", is_flag=True, help="Keep pace with the clock, in a process of its own.")
 @page_options
 @miss_options

@@ -14,6 +14,7 @@ import click
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
+from cosim.cli.support.drawings import drawing_options
 from cosim.cli.support.pace import miss_options, pace_of
 from cosim.cli.support.page import live_page, page_options, scene_of
 from cosim.cli.support.values import OutputFolder, seconds
@@ -58,12 +59,7 @@ if TYPE_CHECKING:
 @miss_options
 @output_options
 @click.option("--out", type=OutputFolder(), help="Folder for the run; new or empty.")
-@click.option("--figure/--no-figure", default=True, help="Draw overview.png after the run.")
-@click.option(
-    "--report/--no-report",
-    default=None,
-    help="Make report.html.  [default: as the figure]",
-)
+@drawing_options
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as one JSON object.")
 def command(
     *,

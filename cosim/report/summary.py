@@ -119,11 +119,16 @@ def facts(content: Mapping[str, Any]) -> str:
     if content.get("runaways"):
         parts.append(content["runaways"][0])
     if content["expectations"]:
-        met = len(content["expectations"]) - len(content["failures"])
-        parts.append(f"{met} of {len(content['expectations'])} expectations met")
+        parts.append(met(content))
     if content["message"]:
         parts.append(content["message"].splitlines()[0])
     return " · ".join(parts)
+
+
+def met(content: Mapping[str, Any]) -> str:
+    """How many of the expectations are met."""
+    total = len(content["expectations"])
+    return f"{total - len(content['failures'])} of {total} expectations met"
 
 
 def headlines(signals: Mapping[str, RecordedSignal]) -> list[str]:
@@ -204,9 +209,8 @@ def _verdicts(content: Mapping[str, Any]) -> str:
     verdicts = content["expectations"]
     if not verdicts:
         return ""
-    failures = content["failures"]
-    lines = [f"  {len(verdicts) - len(failures)} of {len(verdicts)} expectations met"]
-    lines += [f"  FAILED  {failure}" for failure in failures]
+    lines = [f"  {met(content)}"]
+    lines += [f"  FAILED  {failure}" for failure in content["failures"]]
     return "\n".join(lines)
 
 

@@ -60,9 +60,7 @@ class _Importer:
         title = own.pop("title", self.structure.title)
         rest = {"cohaptic": 1, "title": title, "duration": self._duration(own), **own}
         return rest | {
-            "components": {
-                name: self._component(path) for path, name in sorted(self.names.items())
-            },
+            "components": {name: self._component(path) for path, name in self.names.items()},
             "connections": [*self._connections(), *own.get("connections", [])],
         }
 

@@ -12,8 +12,9 @@ from cosim.analysis.answers.push import Push, push_response
 from cosim.analysis.monodromy.blocks import connected_blocks, dropped
 from cosim.analysis.monodromy.point import Point
 from cosim.base.errors import InputError
-from cosim.theory.numerics import find_root, solve_complex
+from cosim.theory.numerics import solve_complex
 from cosim.theory.transparency.admittance import Case
+from cosim.theory.transparency.compensation import nulling
 from cosim.theory.transparency.steady import steady_drift
 
 Real = NDArray[np.float64]
@@ -126,16 +127,6 @@ def null_run_damping(asked: AskedRun, push: Push) -> RunCompensation:
         asked.forget(sets)
         return found
 
-    value, uncompensated = 0.0, damping(0.0)
-    if abs(uncompensated) > 1e-9:
-        sign, reach = (-1.0 if uncompensated > 0 else 1.0), abs(uncompensated)
-        while damping(sign * reach) * uncompensated > 0:
-            reach *= 2.0
-            if reach > 1000.0:
-                raise InputError(
-                    f"No compensation up to 1000 N·s/m nulls the damping of {uncompensated:g} "
-                    "N·s/m: lower the stiffness, the delay or the ratio of the rates."
-                )
-        value = find_root(damping, sign * reach, 0.0)
+    value = nulling(damping)
     spectrum = asked.point(asked.sets("b_c", value)).spectrum()
     return RunCompensation(present, value, spectrum.radius, spectrum.stable, spectrum.marginal)

@@ -14,12 +14,8 @@ from cosim.cli.device.check import check_device
 from cosim.cli.device.conform import conform_device
 from cosim.cli.device.emulate import emulate_device
 from cosim.cli.device.first import first_power_on
+from cosim.cli.device.options import FILE, JSON
 from cosim.cli.support.command import JsonCommand
-
-_FILE = click.option(
-    "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
-)
-_JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
 @click.group("device", context_settings={"help_option_names": ["-h", "--help"]})
@@ -28,7 +24,7 @@ def command() -> None:
 
 
 @command.command("list", cls=JsonCommand)
-@_JSON
+@JSON
 def list_drivers(*, as_json: bool) -> None:
     """List the drivers that are installed."""
     from cosim.base.errors import InputError
@@ -58,7 +54,7 @@ def list_drivers(*, as_json: bool) -> None:
 
 @command.command("find", cls=JsonCommand)
 @click.option("--scan", is_flag=True, help="Also listen for nodes on each CAN interface.")
-@_JSON
+@JSON
 def find_ports(*, scan: bool, as_json: bool) -> None:
     """Show serial ports and CAN interfaces that a device could be on.
 
@@ -79,7 +75,7 @@ def find_ports(*, scan: bool, as_json: bool) -> None:
 
 @command.command("home", cls=JsonCommand)
 @click.argument("url")
-@_FILE
+@FILE
 @click.option("--yes", is_flag=True, help="Ask nobody: for an emulator that proves to be one.")
 def home_device(url: str, file: Path | None, *, yes: bool) -> None:
     """Take the present pose of the device at URL as the home pose, and show where the tip is."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.cli.device.options import FILE, JSON
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import seconds
@@ -19,9 +20,7 @@ if TYPE_CHECKING:
 
 @click.command("check", cls=JsonCommand)
 @click.argument("url")
-@click.option(
-    "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
-)
+@FILE
 @click.option("--seconds", type=seconds(), default=5.0, show_default=True, help="How long to look.")
 @click.option(
     "--enable-output",
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     help="Also let the device's watchdog fire, at zero torque, and note it in the device file.",
 )
 @click.option("--yes", is_flag=True, help="Confirm for an emulator that proves to be one.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@JSON
 def check_device(
     url: str,
     file: Path | None,

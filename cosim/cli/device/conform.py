@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cosim.cli.device.options import FILE, JSON
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import seconds
 
@@ -26,9 +27,7 @@ COLOURS = {"kept": "green", "broken": "red", "not tried": "yellow"}
 
 @click.command("conform", cls=JsonCommand)
 @click.argument("url")
-@click.option(
-    "--file", type=click.Path(path_type=Path), help="The device file. [default: the maker's values]"
-)
+@FILE
 @click.option("--only", "only", multiple=True, metavar="RULE", help="This rule; repeatable.")
 @click.option(
     "--seconds",
@@ -43,7 +42,7 @@ COLOURS = {"kept": "green", "broken": "red", "not tried": "yellow"}
     help="Also try what needs the output stage on, at zero torque or next to it.",
 )
 @click.option("--yes", is_flag=True, help="Ask nobody: for an emulator that proves to be one.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@JSON
 def conform_device(
     url: str,
     file: Path | None,

@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Component
 from cosim.base.errors import InputError, RunError
-from cosim.base.resumable import Resumable
 from cosim.master.assembly.assemble import Assembly
-from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.kernel.program import Program
-from cosim.master.run.checkpoint import refuse_unless_resumable, saved, without_state
+from cosim.master.run.checkpoint import (
+    load_components,
+    refuse_unless_resumable,
+    saved,
+    without_state,
+)
 from cosim.master.run.fingerprint import components_of, difference
 
 
@@ -119,7 +122,4 @@ def go_back(
     program.set_warnings(origin.warnings)
     program.kernel.tick, program.kernel.phase = origin.tick, origin.phase
     program.cells[:] = origin.cells
-    for name, component in components.items():
-        if isinstance(component, Resumable):
-            with sentences(name, "in load"):
-                component.load(origin.python[name])
+    load_components(components, origin.python)

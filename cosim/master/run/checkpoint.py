@@ -131,16 +131,25 @@ def put_back(
         program.set_warnings(values["warnings"])
         kernel.phase, kernel.tick = int(values["phase"]) % int(kernel.hyperperiod), snapshot.tick
         program.turning.go_on(kernel, snapshot.tick)
-        for name, component in components.items():
-            if isinstance(component, Resumable):
-                with sentences(name, "in load"):
-                    component.load(values["python"][name])
+        load_components(components, values["python"])
     except CohapticError:
         raise
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
             f"The snapshot of tick {snapshot.tick} cannot be put back: {error}"
         ) from error
+
+
+def load_components(components: Mapping[str, Component], saved: Mapping[str, Any]) -> None:
+    """Give every component that can take it what it saved.
+
+    Raises:
+        RunError: one does not take it back.
+    """
+    for name, component in components.items():
+        if isinstance(component, Resumable):
+            with sentences(name, "in load"):
+                component.load(saved[name])
 
 
 def same_state(snapshot: Snapshot, program: Program) -> bool:

@@ -8,6 +8,7 @@ the scene moves by comes at least ``SCENE_RATE`` times a second. Equal signals a
 from __future__ import annotations
 
 from collections.abc import Mapping
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ class Pages:
     def add(self, values: NDArray[Any]) -> int:
         """The number under which a page finds these values."""
         content = np.ascontiguousarray(values)
-        key = content.dtype.str.encode() + content.tobytes()
+        key = sha256(content.dtype.str.encode() + content.tobytes()).digest()
         if key not in self._known:
             self._known[key] = len(self.packed)
             self.packed.append(pack(content))
@@ -63,7 +64,8 @@ def contents(
     """
     pages = Pages()
     moving = recorded_of(scene or {}, run)
-    whole = _whole(run, moving)
+    panels = _panels(run)
+    whole = _whole(run, panels, moving)
     signals = [
         _signal(run, signal, summaries[name], pages, is_whole=name in whole)
         for name, signal in run.signals.items()
@@ -71,7 +73,7 @@ def contents(
     return {
         "duration": float(run.ticks / run.base_rate),
         "signals": signals,
-        "panels": _panels(run),
+        "panels": panels,
         "scene": dict(scene) if scene and moving else None,
         "poses": [_pose(run, run[name], pages) for name in moving],
         "packed": pages.packed,
@@ -110,9 +112,9 @@ def _pose(run: Run, signal: RecordedSignal, pages: Pages) -> dict[str, Any]:
     return {"name": signal.name, "period": period, "rows": pages.add(signal[::stride])}
 
 
-def _whole(run: Run, moving: list[str]) -> set[str]:
+def _whole(run: Run, panels: list[dict[str, Any]], moving: list[str]) -> set[str]:
     """The signals of which every row is kept: what is looked at first, then what moves."""
-    first = [name for panel in _panels(run) for name in panel["signals"]]
+    first = [name for panel in panels for name in panel["signals"]]
     wanted = dict.fromkeys([*first, *moving, *run.signals])
     short = [name for name in wanted if run[name].group.rows <= FULL_ROWS]
     return {*short[:FULL]}

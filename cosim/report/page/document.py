@@ -24,7 +24,7 @@ from cosim.report.page.tables import (
     saturation_rows,
     verdict_rows,
 )
-from cosim.report.summary import facts
+from cosim.report.summary import facts, met
 
 HERE = Path(__file__).parent
 LIVE = HERE.parents[1] / "live" / "page"
@@ -86,8 +86,7 @@ def _outcome(content: Mapping[str, Any]) -> str:
     if content["message"]:
         return str(content["message"])
     if content["expectations"]:
-        met = len(content["expectations"]) - len(content["failures"])
-        return f"{met} of {len(content['expectations'])} expectations met"
+        return met(content)
     return "Ran to its end" if content["status"] == 0 else "Failed"
 
 

@@ -6,6 +6,7 @@ compensates, and goes as it is into the ``compensation`` parameter of an object 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from cosim.base.errors import InputError
@@ -53,18 +54,26 @@ def null_compensation(
     def damping(value: float) -> float:
         return limit_damping(uniform_compensation(model, value), timing, user, kind)
 
-    value = 0.0
-    uncompensated = damping(0.0)
-    if abs(uncompensated) > NEGLIGIBLE_DAMPING:
-        sign = -1.0 if uncompensated > 0 else 1.0
-        reach = abs(uncompensated)
-        while damping(sign * reach) * uncompensated > 0:
-            reach *= 2.0
-            if reach > 1000.0:
-                raise InputError(
-                    f"No compensation up to 1000 N·s/m nulls the damping of {uncompensated:g} "
-                    "N·s/m: lower the stiffness, the delay or the ratio of the rates."
-                )
-        value = find_root(damping, sign * reach, 0.0)
+    value = nulling(damping)
     compensated = stability(uniform_compensation(model, value), timing)
     return Compensation(present_damping, value, compensated)
+
+
+def nulling(damping: Callable[[float], float]) -> float:
+    """The b_c (N·s/m) at which a damping, given as a function of it, vanishes; 0 where it does so.
+
+    Raises:
+        InputError: none up to 1000 N·s/m is enough.
+    """
+    uncompensated = damping(0.0)
+    if abs(uncompensated) <= NEGLIGIBLE_DAMPING:
+        return 0.0
+    sign, reach = (-1.0 if uncompensated > 0 else 1.0), abs(uncompensated)
+    while damping(sign * reach) * uncompensated > 0:
+        reach *= 2.0
+        if reach > 1000.0:
+            raise InputError(
+                f"No compensation up to 1000 N·s/m nulls the damping of {uncompensated:g} "
+                "N·s/m: lower the stiffness, the delay or the ratio of the rates."
+            )
+    return find_root(damping, sign * reach, 0.0)

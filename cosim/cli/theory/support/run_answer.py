@@ -52,18 +52,9 @@ def of_run(asked: AskedRun) -> RunAnswer:
     point = asked.point()
     found = point.spectrum()
     further = about(asked)
-    if not chances(asked.scenario):
-        return RunAnswer(
-            "spectral radius",
-            found.radius,
-            found.stable,
-            found.marginal,
-            found.neutral,
-            found.period,
-            further,
-        )
     links = [b.bundle.name for b in point.run.bundles if b.bundle.channel is not None]
-    processes = own_processes(asked.scenario, links)
+    lossy = chances(asked.scenario)
+    processes = own_processes(asked.scenario, links) if lossy else None
     if processes is None:
         return RunAnswer(
             "spectral radius",
