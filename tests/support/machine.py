@@ -88,8 +88,8 @@ def timed(
     """What the first good attempt gives; an attempt that failed gives a sentence instead.
 
     ``attempt`` takes its number. A failed one is void where the probe was later than ``tolerates``
-    (s) meanwhile; the third that is not void fails the test. Only a machine that spoiled every
-    attempt leaves the test void, with the probe's figures.
+    (s) meanwhile; the third that is not void fails the test. A machine that spoiled so many
+    attempts that there never were three leaves the test void, with the probe's figures.
     """
     faults: list[str] = []
     stalls: list[float] = []
@@ -106,8 +106,7 @@ def timed(
             faults.append(found)
             if len(faults) == FAULTS:
                 pytest.fail(f"the machine kept time and it failed {FAULTS} times: {faults}")
-    if faults:
-        pytest.fail(f"no attempt was good; the machine kept time in these: {faults}")
     late = ", ".join(f"{stall * 1e3:.0f}" for stall in stalls)
     limit = f"{tolerates * 1e3:.0f} ms"
-    pytest.skip(f"void: a probe beside it woke {late} ms late, more than {limit}")
+    others = f"; beside that: {faults}" if faults else ""
+    pytest.skip(f"void: a probe beside it woke {late} ms late, more than {limit}{others}")

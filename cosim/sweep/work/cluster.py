@@ -49,12 +49,7 @@ class DaskPool:
             self._dask: Any = importlib.import_module("distributed")
         except ImportError:
             raise InputError("--scheduler needs Dask: pip install 'cohaptic[cluster]'.") from None
-        for name in (
-            "distributed",
-            "tornado",
-            "asyncio",
-        ):  # what they log is said in a sentence here
-            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+        _silence("distributed", "tornado", "asyncio")  # what they log is said in a sentence here
         self._job = job
         self._chunk = chunk
         self._over: SimpleQueue[Any] = SimpleQueue()
@@ -144,6 +139,13 @@ class DaskPool:
         (task,) = chunk
         message = "The workers that ran it died again and again."
         yield RunResult(task.number, task.key, task.point, "crashed", message)
+
+
+def _silence(*packages: str) -> None:
+    """Let these packages log nothing; their modules' loggers have levels of their own."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] in packages:
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _run_chunk(token: str, job: Job, tasks: list[Task]) -> list[RunResult]:

@@ -132,7 +132,7 @@ def test_nested_systems_are_resolved_whichever_way_a_connection_is_written(
     )
     document, notes = read(ssd(folder, inside, version))
     assert notes == []
-    assert list(document["components"]) == ["a", "c", "inner_b"]
+    assert list(document["components"]) == ["a", "inner_b", "c"]
     assert sorted(document["connections"], key=lambda each: each["to"]) == [
         {"from": "inner_b.y", "to": "c.u"},
         {"from": "a.y", "to": "inner_b.u", "factor": 6.0, "offset": 21.0},
