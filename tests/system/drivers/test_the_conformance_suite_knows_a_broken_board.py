@@ -75,6 +75,7 @@ def test_a_driver_that_locks_nothing_is_told_of_it(bench: Bench, monkeypatch):
     emulator = bench.emulator("cobs")
     made = on(emulator, "cobs", SETUPS["cobs"]["file"])
     monkeypatch.setattr("hil.wire.serial_port.own_port", lambda *_: None)
+    monkeypatch.setattr("hil.wire.serial_port.PATIENCE", 1.0)
     (result,) = conform(made, chosen(["owner"]))
     assert result.outcome is Conformity.BROKEN, result
 
