@@ -23,11 +23,17 @@ class BoardExchange:
         self.driver, self.samples = driver, samples
         self.sent: Pair = ZERO
         """The torque that was last put on the wire (N.m); zero once an answer confirms zero."""
+        self.zeroing = False
+        """Whether the last thing put on the wire is a zero that no answer has confirmed yet."""
         self.input_held = False
         """Whether the switch on the board was closed in its newest answer."""
         self.zeros = 0
         """Answers so far that confirmed zero."""
         self.punctuality = Punctuality(driver.tick)
+
+    def restart(self) -> None:
+        """The port was opened: the board answers, and is at zero."""
+        self.sent, self.zeroing, self.input_held = ZERO, False, False
 
     def send(self, torque: Pair) -> bool:
         """Whether it went out; what did not leaves the wire's last torque as it was."""
@@ -37,14 +43,13 @@ class BoardExchange:
         sent = self.driver.send(torque)
         self.punctuality.count(sent=sent is not None)
         if sent is not None:
-            self.sent = sent
+            self.sent, self.zeroing = sent, False
         return sent is not None
 
     def send_zero(self) -> bool:
-        """Whether a zero went out, or is known to be there."""
+        """Whether a zero went out, or is known to be there; ``sent`` waits for the answer."""
         sent = self.driver.send_zero()
-        if sent:
-            self.sent = ZERO
+        self.zeroing |= sent and self.sent != ZERO
         return sent
 
     def receive(self) -> Received:
@@ -54,7 +59,7 @@ class BoardExchange:
             self.input_held = received.input_held
         if received.zero_confirmed:
             self.zeros += 1
-            self.sent = ZERO
+            self.sent, self.zeroing = ZERO, False
             if self.driver.pulse is not None:
                 self.driver.pulse.cool(self.driver.number)
         if received.sample is not None:

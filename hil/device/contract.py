@@ -45,6 +45,8 @@ class Flag(IntFlag):
     NOT_SENT = 512
     IGNORED_INPUT = 1024
     NEAR_BORDER = 2048
+    ZEROING = 4096
+    """Zero is on the wire; what is told as sent was before it, until an answer confirms zero."""
 
 
 class WriteOutcome(StrEnum):
@@ -109,7 +111,8 @@ class Measurement:
 class Sent:
     """What ``Device.write`` returns.
 
-    ``torque`` (N.m) is computed back from the code that was sent: commanded, not measured.
+    ``torque`` (N.m) is computed back from the code that was last put on the wire: commanded, not
+    measured. When the motors are brought to zero it stays until an answer confirms that.
     ``limited`` is what the safety layer allowed; with dry output it differs from ``torque``.
     """
 

@@ -121,6 +121,8 @@ class Device:
             limited, flags = self._write_active(tick, command)
         if self.state is not State.ACTIVE:
             flags |= self._write_zero()
+        if self._exchange.zeroing:
+            flags |= Flag.ZEROING
         self.sent_flags = flags
         return Sent(torque=self.sent, limited=limited, flags=flags)
 
@@ -201,6 +203,7 @@ class Device:
             driver.close()
             raise
         self._samples.restart()
+        self._exchange.restart()
         self._judge.forget()
         self.state = State.INACTIVE
 

@@ -139,7 +139,7 @@ def haply_driver(data: bytes) -> None:
         faulted = device.state is State.FAULT
         sent = device.write(tick, PUSH)
         assert not faulted or device.state is State.FAULT
-        assert not faulted or sent.torque == ZERO or Flag.NOT_SENT in sent.flags
+        assert not faulted or sent.torque == ZERO or sent.flags & (Flag.NOT_SENT | Flag.ZEROING)
     if device.state is State.ACTIVE:
         assert sent is not None
         assert wire.board.world.torque != ZERO

@@ -117,7 +117,7 @@ def exchanged(ticks: int, to_board=None, to_host=None, at: int = 5):
         torques.append(wire.board.world.torque)
         if device.state is State.FAULT:
             faulted = tick if faulted is None else faulted
-            assert sent.torque == ZERO or Flag.NOT_SENT in sent.flags
+            assert sent.torque == ZERO or sent.flags & (Flag.NOT_SENT | Flag.ZEROING)
     return device, faulted, torques, commanded
 
 

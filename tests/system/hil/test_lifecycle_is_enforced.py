@@ -240,9 +240,12 @@ def test_the_loop_coming_back_late_is_answered_with_zero_and_fault():
     assert puppet.torques[-1] != (0.0, 0.0)
     now[0] += 0.0125
     device.read(100)
-    assert device.write(100, (0.005, 0.0)).torque == puppet.torques[-1] == (0.0, 0.0)
+    assert Flag.ZEROING in device.write(100, (0.005, 0.0)).flags
+    assert puppet.torques[-1] == (0.0, 0.0)
     assert device.fault is not None
     assert device.fault.cause is Cause.LATE
+    device.read(101)
+    assert device.write(101, (0.005, 0.0)).torque == (0.0, 0.0)
 
 
 def pair_of_devices():

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.base.system.sleep import LONGEST_STEP, SleepWatch, Wakefulness, can_sleep
-from hil.device.contract import State
+from hil.device.contract import Flag, State
 from hil.device.errors import ActivationRefused, Cause
 from hil.setup.session import Session
 from tests.support.hil.hil_bench import Puppet, mock, rested, run
@@ -55,8 +55,10 @@ def test_a_sleep_is_answered_with_zero_and_fault():
     device._around.sleep = SleepWatch(clocks.going, clocks.all_along)
     run(device, 2, (0.001, 0.0))
     clocks.asleep = 8.0
+    puppet = device.driver.body
     ((_, sent),) = run(device, 1, (0.001, 0.0))
-    assert sent.torque == (0.0, 0.0)
+    assert puppet.torques[-1] == (0.0, 0.0)
+    assert Flag.ZEROING in sent.flags
     assert device.fault is not None
     assert device.fault.cause is Cause.SLEPT
     assert "8.0 s" in device.fault.sentence

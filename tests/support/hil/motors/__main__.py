@@ -15,14 +15,10 @@ import sys
 import time
 import tty
 
-from tests.support.hil.motors.canopen import Canopen
-from tests.support.hil.motors.cobs import Cobs
-from tests.support.hil.motors.haply import Haply
-from tests.support.hil.motors.odrive import Odrive
+from tests.support.hil.motors.boards import BOARDS
 from tests.support.hil.motors.told import Motors
 
 TICK = 1 / 1024
-BOARDS = {"haply": Haply, "cobs": Cobs, "odrive": Odrive, "canopen": Canopen}
 
 
 def main() -> None:

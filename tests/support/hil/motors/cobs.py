@@ -16,6 +16,7 @@ class Cobs:
         self.pending = b""
         self.fired = self.enabled = False
         self.silence, self.limit = 0, 0
+        self.began = time.monotonic()
 
     def feed(self, data: bytes) -> list[Told]:
         *frames, self.pending = (self.pending + data).split(b"\0")
@@ -32,7 +33,7 @@ class Cobs:
             self.enabled = bool(flags & 1) and not self.fired
             torque = (first, second) if flags & 1 else (0.0, 0.0)
             zero = not any(torque)
-            now = round(time.monotonic() * 1e6) & 0xFFFFFFFF
+            now = round((time.monotonic() - self.began) * 1e6) & 0xFFFFFFFF
             status = self.enabled | self.fired << 1 | (4 if zero else 0)
             reply = struct.pack("<BBHIiiH", 0x81, status, sequence, now, 0, 0, 0)
             reply += binascii.crc_hqx(reply, 0xFFFF).to_bytes(2, "big")
