@@ -272,6 +272,7 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
 EXPORT int64_t link_admit(const Admission *admission, const double *values, int64_t ticks,
                           double *out, int64_t newest);
+EXPORT int64_t kernel_first_nan(const double *cells, const int64_t *which, int64_t count);
 EXPORT int64_t kernel_float_mode(void);
 EXPORT int64_t kernel_restore_float_mode(int64_t mode);
 EXPORT uint64_t kernel_checksum(const uint64_t *words, int64_t count);

@@ -295,6 +295,8 @@ def library() -> Any:
     kernel.kernel_evaluate.restype = c_int32
     kernel.link_admit.argtypes = (c_void_p, c_void_p, c_int64, c_void_p, c_int64)
     kernel.link_admit.restype = c_int64
+    kernel.kernel_first_nan.argtypes = (c_void_p, c_void_p, c_int64)
+    kernel.kernel_first_nan.restype = c_int64
     kernel.kernel_checksum.argtypes = (c_void_p, c_int64)
     kernel.kernel_checksum.restype = ctypes.c_uint64
     for function in (kernel.kernel_log_open, kernel.kernel_log_close):

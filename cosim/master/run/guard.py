@@ -13,6 +13,7 @@ import numpy as np
 from cosim.base.component import Causality, Component, Role
 from cosim.base.errors import RunError
 from cosim.master.components.interface import Element, has_cells, size_of
+from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Call, Program
 from cosim.master.run.diagnosis import moment
 
@@ -39,13 +40,16 @@ def guarded(
     ]
     if not numbers or call.method == "write":
         return handler
-    outputs, cells = np.array(numbers), program.cells.view(np.float64)
+    outputs, cells = np.array(numbers, dtype=np.int64), program.cells
+    where = int(cells.ctypes.data), int(outputs.ctypes.data), len(numbers)
+    first_nan = library().kernel_first_nan
 
     def handle(tick: int) -> None:
         handler(tick)
-        bad = np.isnan(cells[outputs])
-        if bad.any():
-            _, variable, index = program.layout.owner(int(outputs[bad][0]))
+        bad = first_nan(*where)
+        if bad >= 0:
+            # The array is named here to live as long as its address is used.
+            _, variable, index = program.layout.owner(int(outputs[bad]))
             name = interface.element_name(Element(variable, index))
             raise RunError(
                 f"{call.component}.{name} became NaN in {call.method} at {moment(program)}"

@@ -156,6 +156,17 @@ BROKEN = {
         "        self.value[0] = float('nan') if tick == 5 else 1.0\n",
         "model.value became NaN in evaluate at tick 5 (0.00488281 s)",
     ),
+    "a NaN in one element of several": (
+        (
+            "    @property\n    def variables(self):\n"
+            "        return [Variable(name='value', causality=OUT),\n"
+            "                Variable(name='y', causality=OUT, shape=(2,))]\n"
+            "    def initialise(self, setup, inputs, outputs):\n        self.y = outputs['y']\n"
+            "    def evaluate(self, tick):\n"
+            "        self.y[:] = 1.0, float('nan') if tick == 5 else float('inf')\n"
+        ),
+        "model.y[2] became NaN in evaluate at tick 5 (0.00488281 s)",
+    ),
 }
 
 
