@@ -18,6 +18,7 @@ from cosim.sweep.job import Task
 from cosim.sweep.planning.plan import Request, SweepPlan, plan_of
 from cosim.sweep.work.pool import LocalPool, processors
 from cosim.sweep.work.runner import PointRunner
+from cosim.sweep.work.worker import settle
 
 BOX, AXIS = "two_users_box", "single_axis_distributed"
 
@@ -53,7 +54,8 @@ def swept(plan: SweepPlan, pool: LocalPool, numbers: range) -> float:
     began = time.perf_counter()
     tasks = (Task(number, plan.points[number], str(number)) for number in numbers)
     results = list(pool.run(tasks))
-    assert all(result.status == "good" for result in results), results[0]
+    bad = next((result for result in results if not result.is_over), None)
+    assert bad is None, bad
     return time.perf_counter() - began
 
 
@@ -88,6 +90,7 @@ def compare(
 def single(runs: int) -> None:
     """Single-axis half seconds a second and processor, in this process alone."""
     plan = plan_for(AXIS, runs, check_every=0)
+    settle()
     with PointRunner(plan.job) as runner:
         tasks = [Task(n, point, str(n)) for n, point in enumerate(plan.points)]
         for task in tasks[:20]:

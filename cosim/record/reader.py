@@ -229,7 +229,7 @@ class Run:
         first, end = self.start_tick, self.start_tick + self.ticks
         return float(first / self.base_rate), float(end / self.base_rate)
 
-    @property
+    @cached_property
     def ticks(self) -> int:
         """Base ticks that the record covers completely in every group; of none, those that ran."""
         ending: Mapping[str, Any] = self.manifest.get("exit") or {}

@@ -54,6 +54,11 @@ class RecordedPlatform:
     """The signals that count ticks in which a finger was to be given more than its device can."""
 
     @property
+    def is_there(self) -> bool:
+        """Whether anything of it was recorded."""
+        return bool(self.poses or self.contacts or self.depths or self.saturations)
+
+    @property
     def copies(self) -> tuple[str, ...]:
         """Names of the components that show a pose."""
         return tuple(self.poses)

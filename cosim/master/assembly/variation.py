@@ -17,7 +17,6 @@ from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Bundle, Wiring
-from cosim.master.channels.fates import fates_of
 from cosim.master.components.participants import Participant, other_values
 from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
 
@@ -122,17 +121,12 @@ def _bundles(wiring: Wiring, scenario: Scenario, knobs: Knobs) -> list[Bundle] |
             continue
         channel = scenario.channels[bundle.channel]
         direction = channel.forward if bundle.way == "forward" else channel.backward
-        rate = scenario.base_rate / bundle.period
-        fates = fates_of(
-            scenario.seed,
-            channel.name,
-            bundle.way,
-            rate,
-            direction,
-            extremes=knobs.extremes(channel.name, bundle.way),
-        )
+        extremes = knobs.extremes(channel.name, bundle.way)
+        fates = bundle.fates.again(scenario.seed, direction, extremes)
         other = replace(bundle, fates=fates)
-        if other.can_be_immediate != bundle.can_be_immediate:
+        if not fates.has_ways_of(bundle.fates) and (
+            other.can_be_immediate != bundle.can_be_immediate
+        ):
             return None
         bundles.append(other)
     return bundles

@@ -34,6 +34,12 @@ class Fates:
     key: int
     extremes: tuple[Direction, ...] = ()
     """The direction with everything that may be turned at its least, and at its most."""
+    path: tuple[str, ...] = ()
+    """Channel, way and rate: with the seed, what the key is made of."""
+
+    def again(self, seed: int, direction: Direction, extremes: tuple[Direction, ...]) -> Fates:
+        """The same stream of another run."""
+        return Fates(direction, stream_key(seed, *self.path), extremes, self.path)
 
     @property
     def shortest(self) -> int:
@@ -49,6 +55,11 @@ class Fates:
     def is_constant(self) -> bool:
         """Whether every packet arrives, all with the same delay."""
         return not any(each.impairments for each in (self.direction, *self.extremes))
+
+    def has_ways_of(self, other: Fates) -> bool:
+        """Whether packets fare alike there, by other draws at most."""
+        same = self.direction is other.direction or self.direction == other.direction
+        return same and self.extremes == other.extremes
 
     def begin(self) -> FateStream:
         """The stream from its first packet on."""
@@ -164,5 +175,5 @@ def fates_of(
     extremes: tuple[Direction, ...] = (),
 ) -> Fates:
     """The stream of one direction (``forward`` or ``backward``) of a channel at one rate (Hz)."""
-    key = stream_key(seed, channel, way, str(rate))
-    return Fates(direction=direction, key=key, extremes=extremes)
+    path = channel, way, str(rate)
+    return Fates(direction, stream_key(seed, *path), extremes, path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -51,6 +51,7 @@ class Packets:
         self.bundles = bundles
         self._streams: list[FateStream] = [bundle.fates.begin() for bundle in bundles]
         self.structs: Any = (BundleStruct * max(len(bundles), 1))()
+        self._can_be_immediate = [bundle.can_be_immediate for bundle in bundles]
         self._cells = cells
         self._keep: list[NDArray[Any]] = []
         self._flight: list[NDArray[np.int64]] = []
@@ -64,7 +65,7 @@ class Packets:
     def rewind(self, bundles: Sequence[Bundle], layout: Layout) -> bool:
         """Be before the first packet again; ``False`` where there may have to be other tables."""
         pairs = zip(self.bundles, bundles, strict=True)
-        if any(replace(one.fates, key=0) != replace(two.fates, key=0) for one, two in pairs):
+        if not all(one.fates.has_ways_of(two.fates) for one, two in pairs):
             return False
         self.bundles = bundles
         self._streams = [bundle.fates.begin() for bundle in bundles]
@@ -88,11 +89,11 @@ class Packets:
                 table[left:] = drawn
             struct.fate_first = struct.sequence
             struct.fate_count = 2 * BLOCK
-        for number, bundle in enumerate(self.bundles):
+        for number in range(len(self.bundles)):
             struct = self.structs[number]
             if struct.sequence == 0:  # initialisation mode asks whether packet 0 has no delay
                 delay = self._fates[number][0][0] if number in self._fates else struct.delay
-                struct.immediate = int(bundle.can_be_immediate and delay == 0)
+                struct.immediate = int(self._can_be_immediate[number] and delay == 0)
 
     def turn(self, number: int, direction: Direction) -> None:
         """What is sent from now on goes by another direction; what flies keeps its fate."""
@@ -189,8 +190,8 @@ class Packets:
         }
 
     def _in_flight(self, number: int) -> int:
-        sampled = self._flight[number][2, : self.structs[number].in_flight]
-        return int(np.count_nonzero(sampled >= 0))
+        flying = self.structs[number].in_flight
+        return int(np.count_nonzero(self._flight[number][2, :flying] >= 0)) if flying else 0
 
     def _fill(self, number: int, bundle: Bundle, layout: Layout) -> None:
         width = len(bundle.entries)

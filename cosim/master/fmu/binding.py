@@ -9,7 +9,8 @@ from __future__ import annotations
 import ctypes
 import platform
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -83,6 +84,27 @@ class Library:
         return self._addresses[function]
 
 
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """Elements of variables of one type, as a function of the standard takes them."""
+
+    function: str
+    references: Any
+    """An array of value references."""
+    values: Any
+    """An array of as many elements as the variables have."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beginnings:
+    """Addresses of what brings an instance before tick 0; 0 where the library has no such."""
+
+    reset: int
+    set_up: int
+    enter: int
+    leave: int
+
+
 class Binding(Protocol):
     """One instance of an FMU behind its library; each call returns the status that came back.
 
@@ -101,16 +123,6 @@ class Binding(Protocol):
 
     def set_values(self, kind: VariableType, reference: int, values: Sequence[Any]) -> int:
         """Set a variable's elements.
-
-        Raises:
-            ValueError: a value does not fit the type.
-        """
-        ...
-
-    def setter(
-        self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
-    ) -> Callable[[], int]:
-        """What sets variables of one type to these elements, as often as it is called.
 
         Raises:
             ValueError: a value does not fit the type.

@@ -6,13 +6,15 @@ import ctypes
 import sys
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from cosim.base.component import VariableType
 from cosim.master.fmu.binding import (
     OK,
+    Assignment,
+    Beginnings,
     Library,
     Prototype,
     References,
@@ -133,12 +135,13 @@ class Fmi2:
         Raises:
             ValueError: the value does not fit the type.
         """
-        return self.setter(kind, [reference], values)()
+        ready = self.assignment(kind, [reference], values)
+        return self._call(ready.function, ready.references, 1, ready.values)
 
-    def setter(
+    def assignment(
         self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
-    ) -> Callable[[], int]:
-        """What sets scalar variables of one type, as often as it is called.
+    ) -> Assignment:
+        """Elements of variables of one type, ready to be set.
 
         Raises:
             ValueError: a value does not fit the type.
@@ -146,7 +149,21 @@ class Fmi2:
         name, passed = TYPES[kind]
         array = texts(values) if passed is c_char_p else whole_or_real(passed, values)
         which = (ctypes.c_uint32 * len(references))(*references)
-        return partial(self._call, f"fmi2Set{name}", which, len(references), array)
+        return Assignment(f"fmi2Set{name}", which, array)
+
+    def address(self, function: str) -> int:
+        """Where a function begins."""
+        return self._functions.address(function)
+
+    def beginnings(self) -> Beginnings:
+        """What brings the instance before tick 0."""
+        reset = self.address("fmi2Reset") if "fmi2Reset" in self._functions else 0
+        return Beginnings(
+            reset=reset,
+            set_up=self.address("fmi2SetupExperiment"),
+            enter=self.address("fmi2EnterInitializationMode"),
+            leave=self.address("fmi2ExitInitializationMode"),
+        )
 
     def enter_configuration(self) -> int:
         """FMI 2.0 has no configuration mode."""

@@ -5,12 +5,21 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cosim.base.component import VariableType
-from cosim.master.fmu.binding import OK, Library, Prototype, References, Texts, texts, whole_or_real
+from cosim.master.fmu.binding import (
+    OK,
+    Assignment,
+    Beginnings,
+    Library,
+    Prototype,
+    References,
+    Texts,
+    texts,
+    whole_or_real,
+)
 from cosim.master.fmu.state import FMI3
 from cosim.master.kernel.native import function_address, library
 
@@ -141,12 +150,13 @@ class Fmi3:
         Raises:
             ValueError: a value does not fit the type.
         """
-        return self.setter(kind, [reference], values)()
+        ready = self.assignment(kind, [reference], values)
+        return self._call(ready.function, ready.references, 1, ready.values, len(values))
 
-    def setter(
+    def assignment(
         self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
-    ) -> Callable[[], int]:
-        """What sets the elements of variables of one type, as often as it is called.
+    ) -> Assignment:
+        """Elements of variables of one type, ready to be set.
 
         Raises:
             ValueError: a value does not fit the type.
@@ -154,8 +164,21 @@ class Fmi3:
         name, passed = TYPES[kind]
         array = texts(values) if passed is c_char_p else whole_or_real(passed, values)
         which = (ctypes.c_uint32 * len(references))(*references)
-        count = len(references)
-        return partial(self._call, f"fmi3Set{name}", which, count, array, len(values))
+        return Assignment(f"fmi3Set{name}", which, array)
+
+    def address(self, function: str) -> int:
+        """Where a function begins."""
+        return self._functions.address(function)
+
+    def beginnings(self) -> Beginnings:
+        """What brings the instance before tick 0."""
+        reset = self.address("fmi3Reset") if "fmi3Reset" in self._functions else 0
+        return Beginnings(
+            reset=reset,
+            set_up=0,
+            enter=self.address("fmi3EnterInitializationMode"),
+            leave=self.address("fmi3ExitInitializationMode"),
+        )
 
     def enter_configuration(self) -> int:
         """Enter configuration mode."""

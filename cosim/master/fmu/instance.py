@@ -6,7 +6,7 @@ import ctypes
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from cosim.base.component import Causality, VariableType
 from cosim.base.errors import InputError, RunError
@@ -16,6 +16,7 @@ from cosim.master.fmu.binding import (
     FATAL,
     OK,
     WARNING,
+    Assignment,
     Binding,
     library_suffix,
     platform_folder,
@@ -27,12 +28,8 @@ from cosim.master.fmu.isolation.exchange import Room
 from cosim.master.fmu.isolation.isolated import GONE, Isolated
 from cosim.master.fmu.library import give_back, take_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
+from cosim.master.kernel.native import RestartStruct
 from cosim.scenario.build.timebase import hertz
-
-_PACKED = 8
-"""Sets of values that are kept ready; each run has two, of which most stay as they are."""
-_UNFIT = 3
-"""In place of a status: a value does not fit, and setting them one by one says which."""
 
 
 class Fmu:
@@ -72,7 +69,6 @@ class Fmu:
             if variable.causality is Causality.STRUCTURAL_PARAMETER
         )
         self._state: Any = None
-        self._packed: dict[int, tuple[Mapping[str, list[Any]], list[Callable[[], int]]]] = {}
         self.library = find_binary(description)
         """The file that all instances of this FMU share."""
         self.is_lost = False
@@ -118,7 +114,6 @@ class Fmu:
         Raises:
             InputError: no library for this platform, or the FMU refuses to be instantiated.
         """
-        self._packed.clear()
         description = self.description
         self._calling("the loading of its library")
         try:
@@ -184,32 +179,7 @@ class Fmu:
         Raises:
             InputError: the FMU refuses one.
         """
-        if not self.is_trusted:
-            self._set_each({n: e for n, e in values.items() if n not in self._structural})
-            return
-        # Kept from run to run: packing takes longer than setting.
-        if self._packed.get(id(values), (None, None))[0] is not values:
-            if len(self._packed) >= _PACKED:
-                self._packed.clear()
-            self._packed[id(values)] = values, self._pack(values)
-        if any(call() not in {OK, WARNING} for call in self._packed[id(values)][1]):
-            self._set_each({n: e for n, e in values.items() if n not in self._structural})
-
-    def _pack(self, values: Mapping[str, list[Any]]) -> list[Callable[[], int]]:
-        """The calls that set all values, one for each type."""
-        of_type: dict[VariableType, list[str]] = {}
-        for name in values:
-            if name not in self._structural:
-                of_type.setdefault(self.description.variables[name].type, []).append(name)
-        calls: list[Callable[[], int]] = []
-        for kind, names in of_type.items():
-            elements = [element for name in names for element in values[name]]
-            references = [self.reference(name) for name in names]
-            try:
-                calls.append(self._bound.setter(kind, references, elements))
-            except (ValueError, TypeError, OverflowError, ctypes.ArgumentError):
-                return [lambda: _UNFIT]
-        return calls
+        self._set_each({n: e for n, e in values.items() if n not in self._structural})
 
     def _set_each(self, values: Mapping[str, list[Any]]) -> None:
         for name, elements in values.items():
@@ -225,6 +195,61 @@ class Fmu:
                 raise InputError(
                     f"{self.component}: the FMU refuses {name} = {_show(elements)}{self._said()}"
                 )
+
+    @property
+    def can_restart(self) -> bool:
+        """Whether another run may be had from a reset, with calls from outside of this object."""
+        bound = self._binding
+        return (
+            self.is_trusted
+            and not self.is_lost
+            and not self._structural
+            and self._initialised
+            and isinstance(bound, Fmi2 | Fmi3)
+            and bound.beginnings().reset != 0
+        )
+
+    def restart(self) -> RestartStruct:
+        """Addresses of all that a restart takes, where ``can_restart``; it sets no values yet."""
+        bound = cast("Fmi2 | Fmi3", self._bound)
+        begin = bound.beginnings()
+        return RestartStruct(
+            instance=bound.handle,
+            version=self.version,
+            reset=begin.reset,
+            set_up=begin.set_up,
+            enter=begin.enter,
+            leave=begin.leave,
+            log=self._log.address,
+        )
+
+    def assignments(self, values: Mapping[str, list[Any]]) -> list[tuple[int, Assignment]]:
+        """The functions and their arguments that set all values, one for each type.
+
+        Raises:
+            ValueError, TypeError, OverflowError, ctypes.ArgumentError: one does not fit its type.
+        """
+        bound = cast("Fmi2 | Fmi3", self._bound)
+        of_type: dict[VariableType, list[str]] = {}
+        for name in values:
+            of_type.setdefault(self.description.variables[name].type, []).append(name)
+        found: list[tuple[int, Assignment]] = []
+        for kind, names in of_type.items():
+            references = [self.reference(name) for name in names]
+            elements = [element for name in names for element in values[name]]
+            ready = bound.assignment(kind, references, elements)
+            found.append((bound.address(ready.function), ready))
+        return found
+
+    def left_initialisation(self, status: int) -> None:
+        """Take note of what leaving initialisation mode returned.
+
+        Raises:
+            InputError: the FMU refuses to: its parameters and inputs do not go together.
+            RunError: it failed for good.
+        """
+        self._check("leave initialisation mode", status)
+        self._initialised = True
 
     def configure(self, values: Mapping[str, list[Any]]) -> None:
         """Set structural parameters in FMI 3's configuration mode.
@@ -260,8 +285,7 @@ class Fmu:
             InputError: the FMU refuses to: its parameters and inputs do not go together.
             RunError: it failed for good.
         """
-        self._check("leave initialisation mode", self._bound.exit_initialisation())
-        self._initialised = True
+        self.left_initialisation(self._bound.exit_initialisation())
 
     def save_state(self) -> bytes:
         """The whole state between two steps, where ``saves_state`` says that there is one.

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 6 };
+enum { KERNEL_ABI = 7 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -250,6 +250,31 @@ typedef struct {
     int64_t is_gone;
 } Isolation;
 
+/* Values of one type that an FMU gets before its initialisation. */
+typedef struct {
+    void *function;
+    const uint32_t *references;
+    int64_t reference_count;
+    void *values;
+    int64_t value_count;
+} Setting;
+
+/* How an FMU of ours becomes ready for another run. */
+typedef struct {
+    void *instance;
+    int64_t version;
+    void *reset;
+    void *set_up; /* FMI 2 alone */
+    void *enter;
+    void *leave;
+    const Setting *settings;
+    int64_t setting_count;
+    Log *log;
+    double start; /* s */
+    double stop;
+    int64_t status; /* of the last call */
+} Restart;
+
 typedef int (*Access2)(void *instance, const uint32_t *references, size_t count, void *values);
 typedef int (*Access3)(void *instance, const uint32_t *references, size_t count, void *values,
                        size_t value_count);
@@ -270,6 +295,8 @@ bool send_packet(Bundle *bundle, const Cell *cells, int64_t tick);
 EXPORT int64_t kernel_abi(void);
 EXPORT int32_t kernel_run(Kernel *kernel, int64_t end);
 EXPORT int32_t kernel_evaluate(Kernel *kernel, int64_t program);
+EXPORT int64_t kernel_restart(Restart *restarts, int64_t count);
+EXPORT int64_t kernel_leave_initialisation(Restart *restarts, int64_t count);
 EXPORT int64_t link_admit(const Admission *admission, const double *values, int64_t ticks,
                           double *out, int64_t newest);
 EXPORT int64_t kernel_first_nan(const double *cells, const int64_t *which, int64_t count);

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 6
+ABI = 7
 
 
 class KernelOutcome(IntEnum):
@@ -272,6 +272,37 @@ class IsolationStruct(ctypes.Structure):
     ]
 
 
+class SettingStruct(ctypes.Structure):
+    """``Setting``."""
+
+    _fields_ = [
+        ("function", c_void_p),
+        ("references", c_void_p),
+        ("reference_count", c_int64),
+        ("values", c_void_p),
+        ("value_count", c_int64),
+    ]
+
+
+class RestartStruct(ctypes.Structure):
+    """``Restart``."""
+
+    _fields_ = [
+        ("instance", c_void_p),
+        ("version", c_int64),
+        ("reset", c_void_p),
+        ("set_up", c_void_p),
+        ("enter", c_void_p),
+        ("leave", c_void_p),
+        ("settings", c_void_p),
+        ("setting_count", c_int64),
+        ("log", c_void_p),
+        ("start", c_double),
+        ("stop", c_double),
+        ("status", c_int64),
+    ]
+
+
 @cache
 def library() -> Any:
     """The kernel for this machine.
@@ -293,6 +324,8 @@ def library() -> Any:
     kernel.kernel_run.restype = c_int32
     kernel.kernel_evaluate.argtypes = (c_void_p, c_int64)
     kernel.kernel_evaluate.restype = c_int32
+    for function in (kernel.kernel_restart, kernel.kernel_leave_initialisation):
+        function.argtypes, function.restype = (c_void_p, c_int64), c_int64
     kernel.link_admit.argtypes = (c_void_p, c_void_p, c_int64, c_void_p, c_int64)
     kernel.link_admit.restype = c_int64
     kernel.kernel_first_nan.argtypes = (c_void_p, c_void_p, c_int64)

@@ -38,6 +38,7 @@ from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.guard import guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.master.run.replay import with_events
+from cosim.master.run.restart import Restart, Times
 from cosim.master.run.snapshot import Snapshot
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.scenario import Kind, Scenario
@@ -144,6 +145,8 @@ class Simulation:
         self._pauses: dict[int, Pause] = {}
         self._origin: BranchPoint | None = None
         self._chunk = FIRST_CHUNK
+        self._restart: Restart | None = None
+        self._kept_times: tuple[int, Times] | None = None
         self._start_cells: tuple[Mapping[str, Values], NDArray[np.int64]] | None = None
         self._compiled: bool | None = None
         """Whether the program that was written records; ``None`` before there is one."""
@@ -382,6 +385,7 @@ class Simulation:
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
         self._close_components()
+        self._restart = None
         apart = {fmu.library for fmu in self._fmus.values() if fmu.is_isolated}
         lost = {fmu.library for fmu in self._fmus.values() if fmu.is_lost} - apart
         for name, fmu in self._fmus.items():
@@ -415,32 +419,62 @@ class Simulation:
     def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
         told = rehearsal or _tell_nobody
         self._fill_start_values()
-        self._create_fmus(told)
-        self._compile(recorded=recorded)
+        times = self._times(end)
+        restarted = self._restarted(times)
+        if restarted is None:
+            self._create_fmus(told)
+        self._compile(recorded=recorded, is_restarted=restarted is not None)
         self.program.turning.write_events(self.program.kernel, self.assembly.knobs.turns)
         self._start_components(told, rehearsal=rehearsal is not None)
-        begin = self.assembly.clock.seconds(0)
-        ends: dict[int, float] = {}
-        for name, fmu in self._fmus.items():
+        for name, fmu in self._fmus.items() if restarted is None else ():
             told(name, "entering initialisation mode")
-            period = self.assembly.parts[name].period
-            if period not in ends:  # the end of its last step may lie beyond the run's
-                ends[period] = self.assembly.clock.seconds(-(-end // period) * period)
             with placed_refusal(self.scenario, name), self._guarding(fmu):
-                fmu.enter_initialisation(begin, ends[period])
+                fmu.enter_initialisation(*times[name])
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
         with self._guarding(*self._fmus.values()):
             while (stop := self._evaluate(INITIAL)) is Stop.CALL:
                 self._serve()
             self._raise_unless_done(stop)
-        for name, fmu in self._fmus.items():
-            told(name, "leaving initialisation mode")
-            with placed_refusal(self.scenario, name), self._guarding(fmu):
-                fmu.exit_initialisation()
+        if restarted is None:
+            for name, fmu in self._fmus.items():
+                told(name, "leaving initialisation mode")
+                with placed_refusal(self.scenario, name), self._guarding(fmu):
+                    fmu.exit_initialisation()
+        else:
+            restarted.leave(self.scenario)
         self._is_running, self._end = True, end
         if self._restored is not None:
             self._go_on(self._restored, recorded=recorded)
+
+    def _times(self, end: int) -> Times:
+        """When the run of each FMU begins and ends (s)."""
+        if self._kept_times is None or self._kept_times[0] != end:
+            begin = self.assembly.clock.seconds(0)
+            # The end of its last step may lie beyond the run's.
+            ends = {
+                period: self.assembly.clock.seconds(-(-end // period) * period)
+                for period in {part.period for part in self.assembly.parts.values()}
+            }
+            parts = self.assembly.parts
+            fmus = (name for name, each in self.assembly.participants.items() if each.fmu)
+            self._kept_times = end, {name: (begin, ends[parts[name].period]) for name in fmus}
+        return self._kept_times[1]
+
+    def _restarted(self, times: Times) -> Restart | None:
+        """The FMUs of the run before, in initialisation mode; ``None`` where that cannot be."""
+        if self._restart is None:
+            if (
+                self._failed
+                or not self._fmus
+                or not all(f.can_restart for f in self._fmus.values())
+            ):
+                return None
+            self._restart = Restart(self._fmus)
+        if not self._failed and self._restart.begin(self.assembly.participants, times):
+            return self._restart
+        self._restart = None
+        return None
 
     def _go_on(self, snapshot: Snapshot, *, recorded: bool) -> None:
         """Be where a snapshot was taken, be it by running again up to there."""
@@ -497,12 +531,15 @@ class Simulation:
                 for fmu in foreign:
                     fmu.disturbed(what if len(foreign) == 1 else f"{what} (or another FMU did)")
 
-    def _compile(self, *, recorded: bool) -> None:
+    def _compile(self, *, recorded: bool, is_restarted: bool) -> None:
         """Write the program, once: it is the same for every run of this simulation."""
         if self._compiled is not None:
             if self._compiled is not recorded:
                 raise RunError("One simulation is either recorded in all of its runs, or in none.")
-            self.program.refresh()
+            if is_restarted:
+                self.program.set_warnings({})
+            else:
+                self.program.refresh()
             return
         plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
         self.program.compile(plan, self._fmus, self.assembly.columns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 
-from cosim.base.errors import InputError, RunError
+from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.recording import MemorySink, RecordGroup
 from cosim.master.assembly.assemble import Assembly
@@ -22,6 +22,13 @@ from cosim.report.target import Target, parse_target
 from cosim.report.window import MEASURES
 from cosim.scenario import Kind, Scenario
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.variants import build
+
+_OTHER_ORDER = (
+    "start: with these values components are computed in another order than in the scenario as it "
+    "is written, so that runs cannot begin in the middle of it: let them begin at 0, or write one "
+    "of these values into the scenario."
+)
 
 
 class Warm:
@@ -30,9 +37,15 @@ class Warm:
     def __init__(self, job: Job, scenario: Scenario) -> None:
         """Assemble a scenario and be ready to run it.
 
+        Where runs begin in the middle, what comes before is of the scenario as it is written: it
+        must not depend on which point a worker happens to run first.
+
         Raises:
             InputError: it cannot be assembled, or it is none that can be repeated.
         """
+        asked = scenario
+        if job.start is not None:
+            scenario = build(job.written, ())
         for name, part in scenario.components.items():
             if part.kind is Kind.DEVICE:
                 raise InputError(f"{name} is a device; a sweep runs what is simulated.")
@@ -48,6 +61,12 @@ class Warm:
         self._last: MemorySink | None = None
         self._begun = False
         self._start = _tick_of(job.start, scenario)
+        try:
+            if job.start is not None and not self.turn_to(asked):
+                raise InputError(_OTHER_ORDER)
+        except CohapticError:
+            self.close()
+            raise
 
     @property
     def assembly(self) -> Assembly:

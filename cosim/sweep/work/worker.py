@@ -6,6 +6,7 @@ It is sent the job, says ``None`` when it is ready, and from then on gets tasks 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from multiprocessing.connection import Connection
 from typing import Any, NoReturn
@@ -17,12 +18,19 @@ from cosim.sweep.work.runner import PointRunner
 
 def main(number: int) -> None:
     """Work until nobody is there any more."""
-    collect_seldom()
+    settle()
     pipe = Connection(number)
     with PointRunner(_next(pipe)) as runner:
         _say(pipe, None)
         while True:
             _say(pipe, runner.run(_next(pipe)))
+
+
+def settle() -> None:
+    """Leave out, in a process that only repeats runs, what a run does for people before it."""
+    collect_seldom()
+    # No run has to turn Ctrl-C into a wish and back: the pool's process hears it.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _next(pipe: Connection) -> Any:

@@ -18,9 +18,11 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.reading import FORMS
+from cosim.sweep.job import Task
 from cosim.sweep.planning.plan import Request, SweepPlan, plan_of
 from cosim.sweep.results.store import RESULTS_FILE, read_results
 from cosim.sweep.sweep import SweepOutcome, run_sweep
+from cosim.sweep.work.runner import PointRunner
 from tests.support.sweep.parts import SCENARIO
 
 GAINS = 12
@@ -178,6 +180,45 @@ def test_a_run_that_begins_in_the_middle_is_the_whole_run(scenario: Path, tmp_pa
     middle = run_sweep(branched, tmp_path / "middle", workers=0)
     assert [r.measures for r in middle.results] == [r.measures for r in plain.results]
     assert all(r.is_good for r in middle.results)
+
+
+def test_what_comes_before_the_start_is_that_of_the_scenario_whoever_runs_first(
+    scenario: Path, tmp_path: Path
+) -> None:
+    made = plan_of(
+        Request(
+            scenario=scenario,
+            seeds=4,
+            sets=["components.part=~", "channels.lan.loss=0.5", "duration=0.25"],
+            start="64/1024 s",
+            check_every=1,
+            measure={"hand.position": "rms"},
+        ),
+        FORMS,
+    )
+    forwards = run_sweep(made, tmp_path / "forwards", workers=0)
+    assert all(result.checked for result in forwards.results)
+    assert len({result.measures["hand.position rms"] for result in forwards.results}) > 1
+    with PointRunner(made.job) as runner:
+        last_first = [runner.run(Task(n, made.points[n])) for n in (3, 2, 1, 0)]
+    assert [r.measures for r in reversed(last_first)] == [r.measures for r in forwards.results]
+
+
+def test_another_order_of_computation_cannot_begin_in_the_middle(
+    scenario: Path, tmp_path: Path
+) -> None:
+    made = plan_of(
+        Request(
+            scenario=scenario,
+            vary={"lan.round_trip_delay": [2, 0]},
+            sets=["components.part=~"],
+            start="10/1024 s",
+        ),
+        FORMS,
+    )
+    outcome = run_sweep(made, tmp_path / "out", workers=0)
+    assert [result.status for result in outcome.results] == ["good", "refused"]
+    assert "in another order than" in outcome.results[1].message
 
 
 def test_what_counts_from_the_first_tick_cannot_begin_in_the_middle(

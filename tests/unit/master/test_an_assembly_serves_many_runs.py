@@ -217,6 +217,43 @@ def test_the_bundled_box_in_every_flavour(flavour: str) -> None:
         assert not equal(base, expected)
 
 
+def test_a_further_run_calls_no_fmu_from_python(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with assemble(scenario_of(tmp_path, WRITTEN)) as simulation:
+        noted: list[str] = []
+        monkeypatch.setattr(simulation.whereabouts, "note", lambda *what: noted.append(what[0]))
+        rows(simulation)
+        assert {"push", "hand", "count"} <= set(noted)
+        noted.clear()
+        lighter = scenario_of(tmp_path, WRITTEN, ["components.hand.parameters.mass=0.1"])
+        assembly = with_values(simulation.assembly, lighter)
+        assert assembly is not None
+        simulation.renew(assembly)
+        rows(simulation)
+        assert set(noted) == {"count"}  # a component in Python
+
+
+def test_what_an_fmu_refuses_in_a_further_run_is_the_same_sentence(tmp_path: Path) -> None:
+    refused = ["components.push.parameters.mode=minimum_jerk"]
+    with (
+        assemble(scenario_of(tmp_path, WRITTEN, refused)) as simulation,
+        pytest.raises(InputError, match="duration is 0 s") as expected,
+    ):
+        rows(simulation)
+    with assemble(scenario_of(tmp_path, WRITTEN)) as simulation:
+        base = simulation.assembly
+        good = rows(simulation)
+        assembly = with_values(base, scenario_of(tmp_path, WRITTEN, refused))
+        assert assembly is not None
+        simulation.renew(assembly)
+        with pytest.raises(InputError) as found:
+            rows(simulation)
+        assert str(found.value) == str(expected.value)
+        simulation.renew(base)
+        assert equal(rows(simulation), good)
+
+
 def test_after_an_error_the_next_run_is_a_good_one(tmp_path: Path) -> None:
     expected = first_run(tmp_path)
     with assemble(scenario_of(tmp_path, WRITTEN)) as simulation:

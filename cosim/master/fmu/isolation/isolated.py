@@ -141,12 +141,6 @@ class Isolated:
         """
         return self._ask("set_values", kind, reference, values)
 
-    def setter(
-        self, kind: VariableType, references: Sequence[int], values: Sequence[Any]
-    ) -> Callable[[], int]:
-        """What sets the elements of variables of one type, as often as it is called."""
-        return lambda: self._ask("set_all", kind, references, values)
-
     def enter_configuration(self) -> int:
         """Enter configuration mode."""
         return self._ask("enter_configuration")

@@ -78,8 +78,6 @@ class _Worker:
                 self._load()
                 return True, None
             assert self._binding is not None, "the library is loaded first"
-            if method == "set_all":
-                return True, self._binding.setter(*arguments)()
             return True, getattr(self._binding, method)(*arguments, **keys)
         except (InputError, ValueError, TypeError, OverflowError, ctypes.ArgumentError) as error:
             return False, error
