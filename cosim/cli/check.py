@@ -73,7 +73,7 @@ def _check(
     from cosim.station.halves import refuse_unusable_halves
 
     loaded = load(scenario, overlays, sets)
-    judge = DeviceJudge()
+    judge = DeviceJudge(output=None)
     prepared = prepare(loaded, judge=judge)
     with prepared.simulation as simulation:
         refuse_unusable_halves(simulation.assembly)

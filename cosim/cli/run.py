@@ -161,7 +161,7 @@ def command(
         paced.about = scene_of
     page = live_page(live=live, live_at=live_at, wanted=str(os.getpid()))
     with page, _progress(loaded) if paced is None else ended(console) as progress:
-        judge = DeviceJudge(realtime=realtime)
+        judge = DeviceJudge(realtime=realtime, output=enable_output)
         finished = (
             run_in_child(
                 loaded,

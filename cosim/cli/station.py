@@ -129,7 +129,7 @@ def command(
             own,
             arrangement,
             say=say,
-            judge=DeviceJudge(realtime=True),
+            judge=DeviceJudge(realtime=True, output=enable_output),
             out=out,
             figure=figure,
             page=report,

@@ -8,12 +8,20 @@ from __future__ import annotations
 
 
 class Alarm:
-    """Raised by the first device that goes into FAULT."""
+    """Raised by every device that goes into FAULT, until that device is reset."""
 
     def __init__(self) -> None:
-        self.raised_by: str | None = None
+        self._raised: list[str] = []
+
+    @property
+    def raised_by(self) -> str | None:
+        """The first device that is still in FAULT."""
+        return self._raised[0] if self._raised else None
 
     def raise_for(self, name: str) -> None:
         """A device is in FAULT."""
-        if self.raised_by is None:
-            self.raised_by = name
+        self._raised.append(name)
+
+    def withdraw(self, name: str) -> None:
+        """It was reset."""
+        self._raised.remove(name)

@@ -202,6 +202,7 @@ class Device:
         except BaseException:
             driver.close()
             raise
+        self._clear_fault()
         self._samples.restart()
         self._exchange.restart()
         self._judge.forget()
@@ -261,7 +262,7 @@ class Device:
         self._expect("reset", State.FAULT)
         self.driver.close()
         self.state, self.homed = State.UNCONFIGURED, False
-        self._latch.clear()
+        self._clear_fault()
 
     def close(self) -> None:
         """Zero the device as well as can be, and let go of it; safe in every state, and twice."""
@@ -479,6 +480,12 @@ class Device:
             self._alarm.raise_for(self.name)
             if trip.cause.unhomes:
                 self.homed = False
+
+    def _clear_fault(self) -> None:
+        """What was in FAULT, and was reset or closed, is none of its siblings' business now."""
+        if self.fault is not None:
+            self._latch.clear()
+            self._alarm.withdraw(self.name)
 
     def _guard(self, call: Callable[[], object]) -> bool:
         """Run a call on a path that must go on; whether it worked."""

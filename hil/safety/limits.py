@@ -57,6 +57,16 @@ class TickLimits:
         )
 
 
+def too_slow_to_drop(tick: float) -> str | None:
+    """Why a control period (s) is too long for any output, as a part of a sentence."""
+    if tick * LEAST_TICKS <= LATE_SECONDS:
+        return None
+    return (
+        f"stays without output at {1 / tick:.4g} Hz: what fails there could not be dropped within "
+        f"{LATE_SECONDS * 1e3:.0f} ms; control it at {LEAST_TICKS / LATE_SECONDS:.0f} Hz or faster"
+    )
+
+
 def _whole(seconds: float, tick: float) -> int:
     return floor(seconds / tick * (1 + 1e-9))
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from hil.device.contract import LONGEST_WATCHDOG, Watchdog
 from hil.device.errors import ActivationRefused
-from hil.safety.limits import LATE_SECONDS, LEAST_TICKS
+from hil.safety.limits import too_slow_to_drop
 from hil.safety.permission import Permission
 from hil.setup.address import DeviceAddress
 
@@ -75,12 +75,9 @@ def check_safeguards(device: Guarded) -> None:
     permission = device.permission
     if permission is None:
         return
-    if device.tick * LEAST_TICKS > LATE_SECONDS:
-        raise ActivationRefused(
-            f"{device.name} stays without output at {1 / device.tick:.4g} Hz: what fails there "
-            f"could not be dropped within {LATE_SECONDS * 1e3:.0f} ms; control it at "
-            f"{LEAST_TICKS / LATE_SECONDS:.0f} Hz or faster"
-        )
+    slow = too_slow_to_drop(device.tick)
+    if slow is not None:
+        raise ActivationRefused(f"{device.name} {slow}")
     if device.in_process:
         return
     emulated = permission.how.startswith("emulator")

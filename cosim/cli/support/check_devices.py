@@ -22,10 +22,12 @@ Devices = dict[str, tuple["DeviceComponent", Fraction]]
 class DeviceJudge:
     """Judges a scenario's devices for a run; ``facts`` are for the report afterwards.
 
-    ``realtime`` says whether the run is paced; ``None`` where nobody knows yet.
+    ``realtime`` says whether the run is paced, ``output`` whether devices may push; ``None`` where
+    nobody knows yet.
     """
 
     realtime: bool | None = None
+    output: bool | None = False
     facts: dict[str, Any] = field(default_factory=lambda: {"devices": {}, "buses": []})
 
     def __call__(self, scenario: Scenario, simulation: Simulation) -> list[str]:
@@ -52,6 +54,7 @@ class DeviceJudge:
         }
         judge_geometry(simulation.assembly, lengths, problems)
         self._refuse_unpaced(devices, problems)
+        slow = self._too_slow(devices, problems)
         _refuse_shared_places(devices, problems)
         self.facts["buses"] = _buses(devices, problems)
         problems.raise_if_any()
@@ -65,7 +68,7 @@ class DeviceJudge:
             }
             for name, (component, _) in devices.items()
         }
-        return latency_warnings(scenario, latency)
+        return [*slow, *latency_warnings(scenario, latency)]
 
     def _refuse_unpaced(self, devices: Devices, problems: Problems) -> None:
         """A device that lives in real time needs a paced run."""
@@ -75,6 +78,20 @@ class DeviceJudge:
                     raise InputError(
                         f"{name} is a real device ({component.address.url}): run it with --realtime"
                     )
+
+    def _too_slow(self, devices: Devices, problems: Problems) -> list[str]:
+        """Devices whose control rate is too low for any force: refused where they are to push."""
+        from hil.safety.limits import too_slow_to_drop
+
+        warnings: list[str] = []
+        for name, (_, rate) in devices.items():
+            found = too_slow_to_drop(float(1 / rate))
+            if found is not None and self.output:
+                with problems.at(("components", name, "rate")):
+                    raise InputError(f"{name} {found}")
+            if found is not None and self.output is None:
+                warnings.append(f"{name} {found}")
+        return warnings
 
 
 def _refuse_shared_places(devices: Devices, problems: Problems) -> None:

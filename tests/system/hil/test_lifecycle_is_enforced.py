@@ -193,6 +193,21 @@ def test_a_jump_unhomes_and_nothing_brings_the_device_back_by_itself():
     assert not device.homed
 
 
+@pytest.mark.parametrize("way", ["reset", "close"])
+def test_what_was_in_fault_and_is_opened_again_can_fault_again(way: str):
+    device = rested(mock(Puppet()))
+    for opening in range(3):
+        device.activate()
+        run(device, 20, (0.005, 0.0))
+        assert device.state is State.ACTIVE, opening
+        run(device, 20, (float("nan"), 0.0))
+        assert device.state is State.FAULT, opening
+        getattr(device, way)()
+        device.driver.body = Puppet()
+        rested(device)
+        assert device.fault is None
+
+
 class Failing(Puppet):
     """A mechanism whose port breaks at a given step."""
 

@@ -108,3 +108,39 @@ def test_what_only_a_simulation_knows_may_not_feed_control(tmp_path):
     )
     with pytest.raises(InputError, match=r"finger_a1 is a device, which cannot measure tip_pos"):
         check("two_users_box", "--with", bench)
+
+
+SLOW = """
+rates: {slow: 16 Hz}
+components:
+  finger_a1: {rate: slow, device: {url: "haply:///dev/nobody", preset: quanser}}
+  operator_a1: ~
+"""
+SENTENCE = (
+    "finger_a1 stays without output at 16 Hz: what fails there could not be dropped within 10 ms; "
+    "control it at 300 Hz or faster"
+)
+
+
+def test_a_rate_too_slow_for_output_is_told(tmp_path):
+    """A board of 16 Hz held its torque for 817 ms."""
+    bench = tmp_path / "slow.yaml"
+    bench.write_text(SLOW)
+    report = json.loads(check("two_users_box", "--with", bench, "--json"))
+    assert SENTENCE in report["warnings"]
+    bench.write_text(SLOW.replace("16 Hz", "512 Hz"))
+    report = json.loads(check("two_users_box", "--with", bench, "--json"))
+    assert not any("without output" in warning for warning in report["warnings"])
+
+
+@pytest.mark.parametrize("command", [["run", "--realtime"], ["station", "--as", "station_a"]])
+def test_a_rate_too_slow_for_output_is_refused_before_anything_is_opened(tmp_path, command):
+    bench = tmp_path / "slow.yaml"
+    bench.write_text(SLOW)
+    name, *options = command
+    arguments = [name, "two_users_box", "--with", str(bench), *options, "--enable-output", "--yes"]
+    ended = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "out")])
+    assert isinstance(ended.exception, InputError)
+    assert ended.exception.message == SENTENCE
+    assert ended.exception.location.file.endswith("slow.yaml")
+    assert not (tmp_path / "out").exists()

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil.device.contract import Flag
+from hil.device.contract import Flag, State
 from hil.device.errors import Cause
 from hil.safety.layer import SafetyLayer
 from hil.safety.limits import BORDER_METRES, LATE_SECONDS, LEAST_TICKS, Limits, TickLimits
 from hil.safety.linkage import Region
-from tests.support.hil.hil_bench import QUANSER, REST, REST_ANGLE
+from tests.support.hil.hil_bench import QUANSER, REST, REST_ANGLE, Puppet, mock, rested, run
 
 COMMAND = (0.01, 0.0)
 
@@ -105,3 +105,23 @@ def test_a_tip_that_trembles_at_the_border_is_not_pushed_to_and_fro():
     first = next(height for height, torque, _ in seen if torque > 0.0)
     assert NARROW.top - first >= 0.0019
     assert max(torque for _, torque, _ in seen) < 0.1 * COMMAND[0], "through the ramp"
+
+
+@pytest.mark.parametrize("fault", ["no number", "jump"])
+def test_after_a_fault_and_a_reset_force_comes_back_through_the_ramp(fault: str):
+    puppet = Puppet()
+    device = rested(mock(puppet))
+    device.activate()
+    run(device, 600, COMMAND)
+    assert device.sent[0] > 0.0
+    if fault == "jump":
+        puppet.put((REST[0] + 0.03, REST[1]))
+    run(device, 40, (math.nan, 0.0) if fault == "no number" else COMMAND, start=600)
+    assert device.state is State.FAULT
+    device.reset()
+    device.driver.body = Puppet()
+    rested(device).activate()
+    sent = [told.torque[0] for _, told in run(device, 2200, COMMAND)]
+    step = COMMAND[0] / (Limits().ramp_time * 1024)
+    assert all(now - before <= step + 2e-9 for before, now in pairwise([0.0, *sent]))
+    assert sent[-1] == pytest.approx(COMMAND[0], abs=2e-9)
