@@ -89,6 +89,7 @@ static void evaluate(const Variables *v, const State *s, Tick *tick)
             prediction_time(v, p, s->own.tick, v->client[p].source_tick, v->client[p].source_age);
         tick->input.peer[p].weight = peer_weight(v, p);
         tick->input.peer[p].coupled = false;
+        tick->input.peer[p].box = (BoxState){0}; /* a closed port keeps its place in the state */
         READ_PEER_FINGERS(&tick->input.peer[p], &v->client[p], p, ahead);
     }
     if (v->force_channel == FORCECHANNEL_WAVE) {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.fmus import sanitized
+from tests.support.fmus import watched
 
 pytestmark = [
     pytest.mark.exhaustive,
@@ -26,7 +26,7 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sanitized")
-    sanitized.build(folder)
+    watched.build(folder, watched.SANITIZERS)
     return folder
 
 
@@ -47,7 +47,7 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_every_bundled_scenario(folder: Path) -> None:
-    done = run("-m", "tests.support.fmus.sanitized", str(folder))
+    done = run("-m", "tests.support.fmus.watched", str(folder))
     assert done.returncode == 0, done.stderr[-4000:]
     assert len(done.stdout.split()) >= 28
 
@@ -58,6 +58,6 @@ def test_the_sanitizers_are_there(folder: Path) -> None:
         "import ctypes, sys; k = ctypes.CDLL(sys.argv[1]); k.kernel_isolated.restype = "
         "ctypes.c_void_p; k.kernel_isolated(2, 5000000, 0)"
     )
-    done = run("-c", text, str(folder / sanitized.KERNEL))
+    done = run("-c", text, str(folder / watched.KERNEL))
     assert done.returncode != 0
     assert "Sanitizer" in done.stderr or "runtime error" in done.stderr

@@ -1,5 +1,6 @@
 /* Drives one FMU through its life with a sanitizer watching: random inputs and parameters within
-   their limits, saved and damaged states, wrong calls. Ends with 0 and the number of good steps. */
+   their limits, saved and damaged states, wrong calls. Ends with 0 and the number of good steps.
+   An argument says for how many lives; there are 60 without one. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -102,10 +103,11 @@ static void save_and_restore(fmi3Instance fmu)
     fmi3FreeFMUState(fmu, &copy);
 }
 
-int main(void)
+int main(int count, char **words)
 {
     int good = 0;
-    for (int life = 0; life < 60; ++life) {
+    const int lives = count > 1 ? atoi(words[1]) : 60;
+    for (int life = 0; life < lives; ++life) {
         fmi3Instance fmu = fmi3InstantiateCoSimulation("x", model_token, "", false, life % 2, false,
                                                        false, NULL, 0, NULL, quiet, NULL);
         if (life % 3)

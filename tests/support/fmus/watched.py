@@ -1,7 +1,7 @@
-"""Scenarios with the kernel and all of our FMUs compiled by gcc with its sanitizers.
+"""Scenarios with the kernel and all of our FMUs compiled by gcc, for tools that watch a process.
 
-``python -m tests.support.fmus.sanitized FOLDER`` in a process with the sanitizers' library loaded
-first; ``build`` makes what it runs. A complaint ends the process with the sanitizers' status.
+``build`` makes what ``python -m tests.support.fmus.watched FOLDER`` runs: with gcc's sanitizers, in
+a process with their library loaded first, or without, under valgrind.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import fmus
@@ -17,23 +18,23 @@ from cosim.master.kernel import build as kernel_build
 from fmus.builder import FOLDER, model_files, source_of, support_files
 from fmus.compiler import host_platform
 from fmus.header import description_source, variables_header
+from tests.support.fmus.hosted import GLUE
 
 FLAGS = ("-std=gnu11", "-O1", "-g", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-GLUE = ("instance.c", "values.c", "snapshot.c", "fmi2.c", "fmi3.c")
 KERNEL = "kernel.so"
 TICKS = 320
 
 
-def build(folder: Path) -> None:
-    """The kernel, and an archive of each model and flavour, in ``folder``."""
+def build(folder: Path, watching: Sequence[str] = ()) -> None:
+    """The kernel, and an archive of each model and flavour, in ``folder``; with gcc's options."""
     sources = [path for path in kernel_build.SOURCES.glob("*.c") if path.name != "runtime.c"]
-    _compile(folder / KERNEL, [f"-I{kernel_build.SOURCES}"], sources)
+    _compile(folder / KERNEL, [*watching, f"-I{kernel_build.SOURCES}"], sources)
     for name in fmus.model_names():
-        _compile_model(name, folder)
+        _compile_model(name, folder, watching)
 
 
-def _compile_model(name: str, folder: Path) -> None:
+def _compile_model(name: str, folder: Path, watching: Sequence[str]) -> None:
     source = source_of(name)
     flavours = ("fmi2", "fmi3", "fmi3-arrays")
     archives = {flavour: fmus.find(name, flavour) for flavour in flavours}
@@ -47,7 +48,13 @@ def _compile_model(name: str, folder: Path) -> None:
     library = folder / f"{name}.so"
     files = [description, *model_files(source), *support_files()]
     files += [FOLDER / "fmi" / each for each in GLUE]
-    options = ["-DCOHAPTIC_HOSTED", "-fno-builtin", *(f"-I{each}" for each in include), "-lm"]
+    options = [
+        *watching,
+        "-DCOHAPTIC_HOSTED",
+        "-fno-builtin",
+        *(f"-I{each}" for each in include),
+        "-lm",
+    ]
     _compile(library, options, files)
     for flavour, archive in archives.items():
         _with_library(archive, library, folder / archive.name, flavour)
@@ -69,7 +76,7 @@ def _with_library(archive: Path, library: Path, to: Path, flavour: str) -> None:
 
 
 def _compile(library: Path, options: list[str], files: list[Path]) -> None:
-    command = ["gcc", *SANITIZERS, *FLAGS, *map(str, files), *options, "-o", str(library)]
+    command = ["gcc", *FLAGS, *map(str, files), *options, "-o", str(library)]
     subprocess.run(command, check=True)
 
 
@@ -77,9 +84,15 @@ def main() -> None:
     """Every bundled scenario for some ticks; its name is said when it is done."""
     from cosim.analysis import load_tuned
     from cosim.base.recording import MemorySink
-    from cosim.master.run.simulation import assemble
+    from cosim.master.run.simulation import Simulation, assemble
     from cosim.reading import FORMS
     from cosim.scenario.source.find import bundled_names
+
+    def run_and_restore(simulation: Simulation) -> None:
+        def again() -> None:
+            simulation.restore(simulation.snapshot())
+
+        simulation.run(MemorySink(), until=TICKS, pauses={TICKS // 2: again})
 
     folder = Path(sys.argv[1])
     kernel_build.find_kernel = lambda: folder / KERNEL
@@ -88,7 +101,7 @@ def main() -> None:
         if name.startswith(("presets/", "devices/")):
             continue
         with assemble(load_tuned(name, forms=FORMS)) as simulation:
-            simulation.run(MemorySink(), until=TICKS)
+            run_and_restore(simulation)
         print(name, flush=True)
     os._exit(0)
 
