@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, InputErrors
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.effect import given_of
+from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
@@ -20,7 +22,7 @@ _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 
 
 @click.command("check", cls=JsonCommand)
-@click.argument("scenario", required=False)
+@click.argument("scenarios", nargs=-1, metavar="[SCENARIO]...", shell_complete=scenario_names)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="An overlay over it.")
 @click.option("--set", "sets", multiple=True, metavar="PATH=VALUE", help="One value over it.")
 @click.option("--resolved", is_flag=True, help="Print the scenario with every default in it.")
@@ -28,16 +30,19 @@ _INDENT: dict[str, Any] = {"initial_indent": "  ", "subsequent_indent": "  "}
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(
     *,
-    scenario: str | None,
+    scenarios: tuple[str, ...],
     overlays: tuple[str, ...],
     sets: tuple[str, ...],
     resolved: bool,
     schema: bool,
     as_json: bool,
 ) -> None:
-    """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go."""
+    """Read SCENARIO (a file or a bundled name), load its FMUs, report every problem in one go.
+
+    Of several, those of all.
+    """
     if schema:
-        given = {"SCENARIO": scenario, "--with": overlays, "--set": sets, "--resolved": resolved}
+        given = {"SCENARIO": scenarios, "--with": overlays, "--set": sets, "--resolved": resolved}
         if named := given_of(given):
             raise InputError(
                 f"{' and '.join(named)} beside --schema: the schema is the same for every "
@@ -48,17 +53,32 @@ def command(
 
         click.echo(json.dumps(json_schema(FORMS), indent=2))
         return
-    if scenario is None:
+    if not scenarios:
         raise click.UsageError("name a scenario: a file, or a bundled one such as two_users_box.")
-    loaded, report = _check(scenario, overlays, sets)
+    if resolved and len(scenarios) > 1:
+        raise InputError("--resolved prints one scenario; name a single one.")
+    found: list[tuple[Scenario, dict[str, Any]]] = []
+    problems: list[InputError] = []
+    for scenario in scenarios:
+        try:
+            found.append(_check(scenario, overlays, sets))
+        except InputErrors as several:
+            problems += several.errors
+        except InputError as error:
+            problems.append(error)
+    if problems:
+        raise problems[0] if len(problems) == 1 else InputErrors(problems)
+    reports = [{"ok": True, **report} for _, report in found]
     if resolved:
         from cosim.scenario.resolved import to_yaml
 
-        click.echo(to_yaml(loaded), nl=False)
+        click.echo(to_yaml(found[0][0]), nl=False)
     elif as_json:
-        click.echo(json.dumps({"ok": True, **report}, indent=2))
+        answer = reports[0] if len(reports) == 1 else {"ok": True, "scenarios": reports}
+        click.echo(json.dumps(answer, indent=2))
     else:
-        click.echo(_text(report))
+        width = shown_width()
+        click.echo("\n\n".join(_text(report, width) for report in reports))
 
 
 def _check(
@@ -106,8 +126,9 @@ def _plan(simulation: Simulation) -> dict[str, Any]:
     }
 
 
-def _text(report: dict[str, Any]) -> str:
+def _text(report: dict[str, Any], width: int | None) -> str:
     from cosim.cli.support.check_devices import bus_rows, device_rows, limit_rows, proof_rows
+    from cosim.report.quantities import fitted
 
     time = f"{report['duration']:g} s = {report['ticks']} ticks of 1/{report['base_rate']:g} s"
     if report["start_time"]:
@@ -145,20 +166,27 @@ def _text(report: dict[str, Any]) -> str:
         ("Limits of the devices", limit_rows(report)),
         ("CAN buses", bus_rows(report)),
     ):
-        lines += ["", title, *_table(rows)] if rows else []
+        lines += ["", title, *_table(rows, width)] if rows else []
     order = " > ".join(stage["component"] for stage in report["order"])
-    lines += ["", "Evaluation order within a tick", *wrap(order, 98, **_INDENT)] if order else []
+    lines += (
+        ["", "Evaluation order within a tick", *wrap(order, min(98, width or 98), **_INDENT)]
+        if order
+        else []
+    )
     told = (("Lagging one step", "lagging"), ("Notes", "notes"), ("Warnings", "warnings"))
     for title, sentences in told:
         lines += ["", title, *(f"  {s}" for s in report[sentences])] if report[sentences] else []
-    return "\n".join(lines)
+    return fitted("\n".join(lines), width)
 
 
 def _ticks(count: int) -> str:
     return "1 tick" if count == 1 else f"{count} ticks"
 
 
-def _table(rows: list[list[str]]) -> list[str]:
+def _table(rows: list[list[str]], width: int | None) -> list[str]:
+    """Rows in columns; as they come where columns would be wider than the terminal."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    if width is not None and 2 * len(widths) + sum(widths) > width:
+        return ["  " + "  ".join(row) for row in rows]
     cells = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in rows)
     return ["  " + "  ".join(row).rstrip() for row in cells]

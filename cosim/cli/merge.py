@@ -10,6 +10,7 @@ import click
 
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import OutputFolder
+from cosim.cli.support.width import shown_width
 
 
 @click.command("merge", cls=JsonCommand)
@@ -27,7 +28,7 @@ def command(runs: tuple[Path, ...], out: Path | None, *, as_json: bool) -> None:
         click.echo(json.dumps(asdict(merged), default=str))
         return
     with open_run(merged.folder) as run:
-        click.echo(summarise(run).text())
+        click.echo(summarise(run).text(shown_width()))
     click.echo(f"{merged.signals} signals, session ticks from {merged.first_tick} on")
     if merged.measured is not None:
         scenario = merged.folder / "scenario.resolved.yaml"

@@ -16,9 +16,11 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.page import ANYWHERE, scene_of
 from cosim.cli.support.values import OutputFolder
+from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.base.component import Component
@@ -35,7 +37,7 @@ LOOK_SECONDS = 0.1
 
 
 @click.command("play", cls=JsonCommand)
-@click.argument("scenario", default="two_users_box")
+@click.argument("scenario", default="two_users_box", shell_complete=scenario_names)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay a file over it.")
 @click.option(
     "--set",
@@ -160,7 +162,7 @@ def _again(
     finished = run_in_child(
         loaded, out, progress=None, figure=True, page=True, judge=judge, say=say
     )
-    click.echo(finished.summary.text())
+    click.echo(finished.summary.text(shown_width()))
     if finished.summary.content["message"]:
         click.echo(finished.summary.content["message"], err=True)
     sys.exit(finished.summary.status)

@@ -13,6 +13,7 @@ import click
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import runs_and_signals
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.values import FIGURES, OutputFile, Quantity
 
@@ -23,7 +24,13 @@ KINDS = ("time", "difference", "spectrum", "phase", "histogram")
 
 
 @click.command("plot", cls=JsonCommand)
-@click.argument("what", nargs=-1, required=True, metavar="RUN... SIGNAL...")
+@click.argument(
+    "what",
+    nargs=-1,
+    required=True,
+    metavar="RUN... SIGNAL...",
+    shell_complete=runs_and_signals,
+)
 @click.option(
     "--kind",
     type=click.Choice(KINDS),

@@ -11,9 +11,11 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import run_folders
 from cosim.cli.support.values import OutputFolder
+from cosim.cli.support.width import shown_width
 
-RUN = click.argument("run", type=click.Path(path_type=Path))
+RUN = click.argument("run", type=click.Path(path_type=Path), shell_complete=run_folders)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
@@ -74,7 +76,7 @@ def summary_command(run: Path, *, as_json: bool) -> None:
     if summary is None:
         with open_run(run) as opened:
             summary = summarise(opened)
-    click.echo(json.dumps(summary.content) if as_json else summary.text())
+    click.echo(json.dumps(summary.content) if as_json else summary.text(shown_width()))
     if summary.content["message"]:
         click.echo(summary.content["message"], err=True)
 

@@ -12,6 +12,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import run_folders
 from cosim.cli.support.values import Number, OutputFile, Quantity
 
 FILMS = (".gif", ".webp", ".mp4")
@@ -19,7 +20,7 @@ MOST_FRAMES = 20_000
 
 
 @click.command("render", cls=JsonCommand)
-@click.argument("run", type=click.Path(path_type=Path))
+@click.argument("run", type=click.Path(path_type=Path), shell_complete=run_folders)
 @click.option("--out", type=OutputFile(FILMS), required=True, help="A .gif, .webp or .mp4 file.")
 @click.option(
     "--from", "start", type=Quantity("s"), default="0 s", help="Begin here.  [default: 0]"

@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 import click
 
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.drawings import drawing_options
 from cosim.cli.support.pace import miss_options, pace_of
 from cosim.cli.support.page import live_page, page_options, scene_of
 from cosim.cli.support.values import OutputFolder, seconds
+from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @click.command("station", cls=JsonCommand)
-@click.argument("scenario")
+@click.argument("scenario", shell_complete=scenario_names)
 @click.option("--as", "own", required=True, metavar="STATION", help="Which station to run.")
 @click.option(
     "--listen", default="127.0.0.1:47000", show_default=True, metavar="HOST:PORT", help="Own end."
@@ -138,7 +140,7 @@ def command(
         click.echo(json.dumps(finished.summary.content))
         click.echo(finished.summary.content["message"] or str(finished.folder), err=True)
     else:
-        click.echo(finished.summary.text())
+        click.echo(finished.summary.text(shown_width()))
         if finished.summary.content["message"]:
             say(finished.summary.content["message"])
     sys.exit(finished.summary.status)

@@ -12,6 +12,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.values import OutputFolder, Quantity
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
 
 
 @click.command("sweep", cls=JsonCommand)
-@click.argument("what", metavar="PLAN|SCENARIO")
+@click.argument("what", metavar="PLAN|SCENARIO", shell_complete=scenario_names)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay another file over it.")
 @click.option("--set", "sets", multiple=True, metavar="A.B=C", help="Change a value in all runs.")
 @click.option(

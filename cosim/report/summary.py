@@ -17,7 +17,7 @@ from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation
 from cosim.report.judged import judge
 from cosim.report.measures import SCENARIO_MEASURES
-from cosim.report.quantities import human, table
+from cosim.report.quantities import fitted, human, table
 
 SUMMARY_FILE = "summary.json"
 
@@ -47,12 +47,12 @@ class Summary:
         """The exit status that the run stands for: also 1 where an expectation is not met."""
         return int(self.content["status"])
 
-    def text(self) -> str:
-        """For a terminal or a log, without colour."""
-        parts = [_head(self.content), _measures(self.content), _traffic(self.content)]
-        parts += [_signals(self.content), _verdicts(self.content)]
+    def text(self, width: int | None = None) -> str:
+        """For a terminal of so many columns or a log, without colour."""
+        parts = [_head(self.content), _measures(self.content), _traffic(self.content, width)]
+        parts += [_signals(self.content, width), _verdicts(self.content)]
         parts += [_runaways(self.content), _end(self.content)]
-        return "\n\n".join(part for part in parts if part)
+        return fitted("\n\n".join(part for part in parts if part), width)
 
 
 def summarise(
@@ -179,7 +179,7 @@ def _measures(content: Mapping[str, Any]) -> str:
     )
 
 
-def _traffic(content: Mapping[str, Any]) -> str:
+def _traffic(content: Mapping[str, Any], width: int | None) -> str:
     lines: list[str] = []
     if content["channels"]:
         keys = list(next(iter(content["channels"].values())))
@@ -188,13 +188,13 @@ def _traffic(content: Mapping[str, Any]) -> str:
             (name, "", *(str(counts[key]) for key in keys))
             for name, counts in content["channels"].items()
         ]
-        lines.append(table(rows))
+        lines.append(table(rows, width=width))
     if content["deadlines"]:
         lines.append(f"  deadlines: {_deadlines(content['deadlines'])}")
     return "\n".join(lines)
 
 
-def _signals(content: Mapping[str, Any]) -> str:
+def _signals(content: Mapping[str, Any], width: int | None) -> str:
     signals = content["signals"]
     rows: list[tuple[str, ...]] = [("signal", "unit", "min", "max", "mean", "rms")]
     for name in content["headlines"]:
@@ -202,7 +202,7 @@ def _signals(content: Mapping[str, Any]) -> str:
         numbers = (found["minimum"], found["maximum"], found["mean"], found["rms"])
         shown = ("–" if value is None else f"{value:.4g}" for value in numbers)
         rows.append((name, found["unit"], *shown))
-    return table(rows) if len(rows) > 1 else ""
+    return table(rows, width=width) if len(rows) > 1 else ""
 
 
 def _verdicts(content: Mapping[str, Any]) -> str:

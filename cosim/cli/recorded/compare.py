@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import run_folders
 from cosim.cli.support.values import FIGURES, OutputFile
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ DRAWN = 4
 
 
 @click.command("compare", cls=JsonCommand)
-@click.argument("one", type=click.Path(path_type=Path))
-@click.argument("other", type=click.Path(path_type=Path))
+@click.argument("one", type=click.Path(path_type=Path), shell_complete=run_folders)
+@click.argument("other", type=click.Path(path_type=Path), shell_complete=run_folders)
 @click.option(
     "--figure",
     type=OutputFile(FIGURES),

@@ -12,6 +12,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import run_folders
 from cosim.cli.support.values import OutputFolder
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @click.command("replay", cls=JsonCommand)
-@click.argument("run", type=click.Path(path_type=Path))
+@click.argument("run", type=click.Path(path_type=Path), shell_complete=run_folders)
 @click.option("--out", type=OutputFolder(), help="Keep the new run here. [default: it is not kept]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(run: Path, *, out: Path | None, as_json: bool) -> None:

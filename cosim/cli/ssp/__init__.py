@@ -8,6 +8,7 @@ import click
 
 from cosim.base.errors import InputError, RunError
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.values import OutputFile
 
 
@@ -41,7 +42,7 @@ def import_command(*, file: Path, out: Path, stop_time: str | None) -> None:
 
 
 @command.command("export", cls=JsonCommand)
-@click.argument("scenario")
+@click.argument("scenario", shell_complete=scenario_names)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="As of cohaptic run.")
 @click.option("--set", "sets", multiple=True, metavar="A.B=C", help="As of cohaptic run.")
 @click.option("--out", type=OutputFile(), required=True, help="The package; a new file.")

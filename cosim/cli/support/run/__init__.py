@@ -1,0 +1,1 @@
+"""How the command ``run`` runs one scenario, or several one after another."""

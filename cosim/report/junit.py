@@ -1,0 +1,107 @@
+"""Verdicts of runs as JUnit's XML, which every CI service shows.
+
+A suite a scenario; in it a case for the run itself and one for each expectation. The elements are
+those of the schema that Jenkins' xunit plugin publishes (junit-10.xsd).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+from xml.etree import ElementTree as ET
+
+from cosim.base.errors import CohapticError
+
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class RunEnd:
+    """How one scenario ended: its summary's content, or the error for which there is none."""
+
+    name: str
+    content: Mapping[str, Any] | None
+    error: CohapticError | None = None
+
+    @property
+    def status(self) -> int:
+        """The exit status that it stands for."""
+        if self.error is not None:
+            return self.error.exit_status
+        return 1 if self.content is None else int(self.content["status"])
+
+    @property
+    def message(self) -> str:
+        """Why it did not run to its end; empty where it did."""
+        if self.error is not None:
+            return str(self.error)
+        return "" if self.content is None else str(self.content["message"])
+
+
+def junit(ends: Sequence[RunEnd]) -> bytes:
+    """The XML of several runs, UTF-8 with its declaration."""
+    root = ET.Element("testsuites", name="cohaptic")
+    counts = dict.fromkeys(("tests", "failures", "errors"), 0)
+    for end in ends:
+        suite = _suite(end)
+        root.append(suite)
+        for key in counts:
+            counts[key] += int(suite.attrib[key])
+    for key, count in counts.items():
+        root.set(key, str(count))
+    ET.indent(root)
+    return ET.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+
+
+def _suite(end: RunEnd) -> ET.Element:
+    content = end.content or {}
+    cases = [_run_case(end)]
+    failed = errors = 0
+    if end.status and end.message:
+        ET.SubElement(cases[0], "error", message=_clean(end.message))
+        errors = 1
+    elif content.get("runaways"):
+        ET.SubElement(cases[0], "failure", message=_clean("; ".join(content["runaways"])))
+        failed = 1
+    for verdict in content.get("expectations", []):
+        case = ET.Element("testcase", classname=_clean(end.name), name=_clean(_claim(verdict)))
+        if not verdict["passed"]:
+            measured = _shown(verdict["measured"], verdict["unit"])
+            ET.SubElement(case, "failure", message=_clean(f"measured {measured}"))
+            failed += 1
+        cases.append(case)
+    suite = ET.Element("testsuite", name=_clean(end.name), tests=str(len(cases)))
+    suite.set("failures", str(failed))
+    suite.set("errors", str(errors))
+    suite.set("time", f"{content.get('wall_time', 0.0):.3f}")
+    suite.extend(cases)
+    return suite
+
+
+def _run_case(end: RunEnd) -> ET.Element:
+    case = ET.Element("testcase", classname=_clean(end.name), name="runs to its end")
+    if end.content is not None:
+        case.set("time", f"{end.content.get('wall_time', 0.0):.3f}")
+        ET.SubElement(case, "system-out").text = _clean(str(end.content["run"]))
+    return case
+
+
+def _claim(verdict: Mapping[str, Any]) -> str:
+    label = f" ({verdict['label']})" if verdict["label"] else ""
+    limit = _shown(verdict["threshold"], verdict["unit"])
+    return f"{verdict['target']}{label} {verdict['predicate']} {limit}"
+
+
+def _shown(value: Any, unit: str) -> str:
+    if value is None:
+        return "nothing in this window"
+    numbers = cast("list[float]", value if isinstance(value, list) else [value])
+    text = " to ".join(f"{number:g}" for number in numbers)
+    return f"{text} {unit}".rstrip()
+
+
+def _clean(text: str) -> str:
+    """Without the characters that XML 1.0 (section 2.2) cannot hold."""
+    return _NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)

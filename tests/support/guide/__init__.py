@@ -1,0 +1,1 @@
+"""What the pages of docs/ show, made from what it is about."""
