@@ -40,7 +40,14 @@ COMMANDS = {
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",
 }
 
-HOMES = {"compare": "recorded.compare", "replay": "recorded.replay", "runs": "recorded.listing"}
+HOMES = {
+    "compare": "recorded.compare",
+    "completion": "first_steps.completion",
+    "new": "first_steps.new",
+    "replay": "recorded.replay",
+    "runs": "recorded.listing",
+    "scenarios": "first_steps.scenarios",
+}
 """Modules of commands that are called otherwise than the command."""
 
 

@@ -10,9 +10,9 @@ import click
 
 from cosim.base.errors import InputError, InputErrors
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.effect import given_of
-from cosim.cli.support.width import shown_width
+from cosim.cli.support.terminal.complete import scenario_names
+from cosim.cli.support.terminal.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation

@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 
 from cosim.cli.support.command import JsonCommand
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder
-from cosim.cli.support.width import shown_width
 
 
 @click.command("merge", cls=JsonCommand)

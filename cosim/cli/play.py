@@ -16,11 +16,11 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.page import ANYWHERE, scene_of
+from cosim.cli.support.terminal.complete import scenario_names
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder
-from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.base.component import Component

@@ -13,8 +13,8 @@ import click
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import runs_and_signals
 from cosim.cli.support.effect import refuse_without
+from cosim.cli.support.terminal.complete import runs_and_signals
 from cosim.cli.support.values import FIGURES, OutputFile, Quantity
 
 if TYPE_CHECKING:

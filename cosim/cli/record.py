@@ -11,9 +11,9 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import run_folders
+from cosim.cli.support.terminal.complete import run_folders
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder
-from cosim.cli.support.width import shown_width
 
 RUN = click.argument("run", type=click.Path(path_type=Path), shell_complete=run_folders)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

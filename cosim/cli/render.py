@@ -12,7 +12,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import run_folders
+from cosim.cli.support.terminal.complete import run_folders
 from cosim.cli.support.values import Number, OutputFile, Quantity
 
 FILMS = (".gif", ".webp", ".mp4")

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING
 import click
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.devices import output_options
 from cosim.cli.support.drawings import drawing_options
-from cosim.cli.support.journal import Journal, journal_options
 from cosim.cli.support.pace import miss_options, refuse_without_realtime
 from cosim.cli.support.page import page_options
 from cosim.cli.support.run.one import RunOptions
+from cosim.cli.support.terminal.complete import scenario_names
+from cosim.cli.support.terminal.journal import Journal, journal_options
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFile, OutputFolder
-from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
-    from cosim.report.junit import RunEnd
+    from cosim.cli.support.run.junit import RunEnd
 
 
 @click.command("run", cls=JsonCommand)
@@ -164,7 +164,7 @@ def _tell(end: RunEnd, journal: Journal, *, as_text: bool, is_alone: bool) -> No
 
 def _write_junit(file: Path, ends: list[RunEnd]) -> None:
     from cosim.base.system.writing import writing
-    from cosim.report.junit import junit
+    from cosim.cli.support.run.junit import junit
 
     with writing(file):
         file.write_bytes(junit(ends))

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import click
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
 from cosim.cli.support.console import Console, ended
 from cosim.cli.support.devices import output_options, refuse_without_devices
 from cosim.cli.support.drawings import drawing_options
 from cosim.cli.support.pace import miss_options, pace_of
 from cosim.cli.support.page import live_page, page_options, scene_of
+from cosim.cli.support.terminal.complete import scenario_names
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder, seconds
-from cosim.cli.support.width import shown_width
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy

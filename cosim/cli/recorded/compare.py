@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import run_folders
+from cosim.cli.support.terminal.complete import run_folders
 from cosim.cli.support.values import FIGURES, OutputFile
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import click
 
 from cosim.base.errors import InputError, RunError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
+from cosim.cli.support.terminal.complete import scenario_names
 from cosim.cli.support.values import OutputFile
 
 

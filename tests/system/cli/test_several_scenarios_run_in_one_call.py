@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.base.errors import RunError
-from cosim.report.junit import RunEnd, junit
+from cosim.cli.support.run.junit import RunEnd, junit
 from tests.support.command import cohaptic
 
 SHORT = ("--duration", "0.05", "--no-figure")

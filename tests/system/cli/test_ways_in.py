@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from cosim.base.errors import InputError
-from cosim.cli.support.starter import GROUNDS, Answers, Ground, ground, starter
+from cosim.cli.first_steps.starter import GROUNDS, Answers, Ground, ground, starter
 from cosim.reading import load
 from cosim.scenario.source.bundled import bundled_scenarios
 from tests.support.command import COHAPTIC, cohaptic

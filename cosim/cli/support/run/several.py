@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from cosim.base.errors import CohapticError, InputError
 from cosim.cli.support.command import problems_of
 from cosim.cli.support.effect import given_of
-from cosim.cli.support.journal import Journal, details
+from cosim.cli.support.run.junit import RunEnd
 from cosim.cli.support.run.one import RunOptions, read_one, run_one
-from cosim.report.junit import RunEnd
+from cosim.cli.support.terminal.journal import Journal, details
 
 if TYPE_CHECKING:
     from cosim.scenario import Scenario

@@ -46,7 +46,7 @@ def command(
 
     What no option says is asked at a terminal; elsewhere it is as in the bundled one.
     """
-    from cosim.cli.support.starter import Answers, ground, starter
+    from cosim.cli.first_steps.starter import Answers, ground, starter
 
     if file.exists():
         raise InputError(f"{file} is there already; a scenario is never written over another.")

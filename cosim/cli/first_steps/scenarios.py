@@ -11,9 +11,9 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.support.complete import scenario_names
+from cosim.cli.support.terminal.complete import scenario_names
+from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder
-from cosim.cli.support.width import shown_width
 
 
 @click.command("scenarios", cls=JsonCommand)

@@ -1,0 +1,1 @@
+"""What a command shows, and what a shell offers for it."""
