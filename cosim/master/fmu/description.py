@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import math
 import xml.etree.ElementTree as ET
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,6 +18,7 @@ from cosim.base.quantities.units import BASES, Unit, unit_of
 from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import misfit
 from cosim.master.fmu.meanings import NOTHING, Meant, read_meanings
+from cosim.master.fmu.rules import judge
 
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 _FMI2_TYPES = {
@@ -121,6 +121,7 @@ def parse_description(
             raise InputError(
                 f"line {v.sourceline} of the modelDescription.xml of {path}: {v.name}: {error}"
             ) from None
+    breaks += judge(description, path, folder, is_valid=not breaks)
     return FmuDescription(
         path=path,
         folder=folder,
@@ -184,12 +185,22 @@ def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
             breaks = tuple(str(problem) for problem in error.problems)
         found = fmpy.read_model_description(str(folder), validate=False)
     except Exception as error:  # FMPy raises bare exceptions, lxml its own
-        raise InputError(f"the modelDescription.xml of {path} cannot be read: {error}") from None
-    names = Counter(variable.name for variable in found.modelVariables)
-    twice = [name for name, count in names.items() if count > 1]
-    if twice:
-        raise InputError(f"the modelDescription.xml of {path} declares {twice[0]} twice")
+        said = _reason(error)
+        raise InputError(f"the modelDescription.xml of {path} cannot be read: {said}") from None
     return found, breaks
+
+
+def _reason(error: Exception) -> str:
+    """In words, where FMPy looks something up that is not there."""
+    if isinstance(error, IndexError):
+        return "its ModelStructure has an index that is beyond the last variable"
+    if isinstance(error, KeyError) and error.args[0] is not None:
+        return f"no variable has the valueReference {error.args[0]}, which it refers to"
+    if isinstance(error, KeyError):
+        return "a Dimension has neither a start nor a valueReference"
+    if isinstance(error, TypeError):
+        return "a number that the standard requires is missing (a valueReference, for one)"
+    return str(error)
 
 
 @dataclass(frozen=True, slots=True)
