@@ -17,7 +17,7 @@ from cosim.base.errors import InputError, Location
 from cosim.base.system.supervised import Opening
 from hil.device.contract import Flag, Measurement, State
 from hil.device.device import CAUSES, STATES, Device
-from hil.device.driver import Driver, find_driver
+from hil.device.driver import Driver
 from hil.device.pantograph import terminals, variables
 from hil.device.warnings import warnings_of
 from hil.safety.form import SafetyForm
@@ -271,15 +271,3 @@ def begin_emulated_motion(device: Device) -> None:
     if path is not None:
         with closing(Control(path)) as control:
             control.ask("start")
-
-
-def open_component(url: str, options: dict[str, Any], safety: dict[str, Any]) -> DeviceComponent:
-    """The component that a scenario's ``device: URL`` stands for (entry point contract).
-
-    ``safety`` are limits that the scenario puts on every device: the tighter ones hold.
-
-    Raises:
-        InputError: there is no such driver, or the URL or its options cannot be used.
-    """
-    name = url.partition("://")[0].partition("+")[0]
-    return DeviceComponent(find_driver(name), url, options, safety)

@@ -164,6 +164,11 @@ def find_driver(name: str) -> type[Driver]:
         InputError: there is no driver of that name, or what is registered is none.
     """
     kind = find(name)
+    if kind.measures_only:
+        raise InputError(
+            f"'{name}' is a sensor, which measures and pushes nothing: there is nothing to home, "
+            "to calibrate the signs of, or to allow; see 'cohaptic device check'"
+        )
     if not issubclass(kind, Driver):
         raise InputError(
             f"the entry point '{name}' of {GROUP} is no subclass of hil.device.driver.Driver"

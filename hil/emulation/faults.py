@@ -29,6 +29,10 @@ class FaultKind(StrEnum):
     """The motors keep their last torque, whatever is commanded."""
     RESTART = "restart"
     """The board starts anew, as after a dip of its supply."""
+    BROWN_OUT = "brown-out"
+    """The supply of a sensor's bridges dips; the board itself goes on (force_sensor)."""
+    SATURATE = "saturate"
+    """A channel of a sensor stands at the end of its range (force_sensor)."""
     ALARM = "alarm"
     """The board reports an error of its own (CANopen)."""
 

@@ -70,6 +70,8 @@ class SimulatedPantograph:
         self._operator = SteppedModel("operator", operator) if operator is not None else None
         self._started = False
         self._step = step
+        self.hand_force: Pair = (0.0, 0.0)
+        """What the hand did to the tip in the last tick (N)."""
 
     def angle(self) -> Pair:
         """True joint angles (rad)."""
@@ -82,7 +84,8 @@ class SimulatedPantograph:
     def step(self, torque: Pair) -> None:
         """Advance one tick."""
         position, velocity = self._model.pair("tip_position"), self._model.pair("tip_velocity")
-        self._model.set("hand_force", self._force(position, velocity))
+        self.hand_force = self._force(position, velocity)
+        self._model.set("hand_force", self.hand_force)
         self._model.set("motor_torque", torque)
         self._model.step(self._step)
 

@@ -28,6 +28,8 @@ class DriverFacts:
     shares_port: ClassVar[bool] = True
     """Whether another process can go on with its open port; with a maker's library none can."""
     tested_on_hardware: ClassVar[bool] = False
+    measures_only: ClassVar[bool] = False
+    """Whether it has nothing to push with: a sensor, which nobody has to permit anything."""
     has_input: ClassVar[bool] = False
     """Whether the board tells of a switch on it, which can serve as a dead-man input."""
     checks_frames: ClassVar[bool] = True
@@ -48,3 +50,8 @@ class DriverFacts:
     """Where ``cohaptic device find`` looks for it: ``serial``, ``can``, or nowhere."""
     usb_ids: ClassVar[tuple[tuple[int, int], ...]] = ()
     """Vendor and product numbers of boards that are known to be this one's."""
+
+    @classmethod
+    def preset_names(cls) -> list[str]:
+        """The published devices that come with it."""
+        return sorted(cls.presets)

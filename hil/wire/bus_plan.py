@@ -10,8 +10,12 @@ from pathlib import Path
 from cosim.base.errors import InputError
 from hil.device.component import DeviceComponent
 from hil.device.contract import BusUse
+from hil.sensing.component import SensorComponent
 from hil.wire.can_load import Load, refuse_overload
 from hil.wire.can_options import can_options, refuse_other_options
+
+Placed = DeviceComponent | SensorComponent
+"""What has a port, or nodes on a bus, to itself."""
 
 
 @dataclass(slots=True)
@@ -42,12 +46,12 @@ class PlannedBus:
             raise InputError(f"{', '.join(self.users)}: {error.message}") from None
 
 
-def plan_buses(devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> list[PlannedBus]:
+def plan_buses(devices: Mapping[str, tuple[Placed, Fraction]]) -> list[PlannedBus]:
     """The buses of a scenario's devices, each given with its control rate (Hz)."""
     buses: dict[tuple[str | None, str], PlannedBus] = {}
     for name, (component, rate) in devices.items():
         address = component.address
-        use = component.kind.bus_use(address, component.file)
+        use = _use(component)
         if use is None:
             continue
         key = (address.transport, address.place)
@@ -65,7 +69,7 @@ def plan_buses(devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> list[
     return list(buses.values())
 
 
-def refuse_shared_place(name: str, devices: Mapping[str, tuple[DeviceComponent, Fraction]]) -> None:
+def refuse_shared_place(name: str, devices: Mapping[str, tuple[Placed, Fraction]]) -> None:
     """Refuse a device that would share with an earlier one what one device has to itself.
 
     Raises:
@@ -73,7 +77,7 @@ def refuse_shared_place(name: str, devices: Mapping[str, tuple[DeviceComponent, 
     """
     component, _ = devices[name]
     address = component.address
-    use = component.kind.bus_use(address, component.file)
+    use = _use(component)
     for other, (earlier, _) in devices.items():
         if other == name:
             return
@@ -83,7 +87,7 @@ def refuse_shared_place(name: str, devices: Mapping[str, tuple[DeviceComponent, 
             or place(component) != place(earlier)
         ):
             continue
-        before = earlier.kind.bus_use(earlier.address, earlier.file)
+        before = _use(earlier)
         if use is None or before is None:
             raise InputError(
                 f"{name} is at {address.place}, where {other} is already: give each a port of its "
@@ -99,9 +103,16 @@ def refuse_shared_place(name: str, devices: Mapping[str, tuple[DeviceComponent, 
         refuse_other_options(options.bitrate, options.budget, address)
 
 
-def place(component: DeviceComponent) -> tuple[str | None, str]:
+def place(component: Placed) -> tuple[str | None, str]:
     """Where a device is, by one name; a port may have several in the file system."""
     address = component.address
     if address.transport is None and address.place.startswith("/"):
         return None, str(Path(address.place).resolve())
     return address.transport or component.kind.driver, address.place
+
+
+def _use(component: Placed) -> BusUse | None:
+    """Its frames on a CAN bus."""
+    if isinstance(component, SensorComponent):
+        return component.kind.bus_use(component.address, component.file)
+    return component.kind.bus_use(component.address, component.file)

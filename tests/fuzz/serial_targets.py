@@ -18,24 +18,25 @@ from hil.emulation.board import BoardFrame
 from hil.emulation.links import parse_slcan
 from hil.emulation.world import World
 from hil.firmware.build import build
+from hil.wire import cobs_frames
 from hil.wire import slcan_lines as slcan
 from tests.fuzz import oracle
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import Rest, on_wire
 
 PUSH = (0.01, -0.01)
-LONGEST = cobs.LONGEST_FRAME
+LONGEST = cobs_frames.LONGEST_FRAME
 
 
 def cobs_stream(data: bytes) -> None:
     """Nothing without a right checksum is accepted, however the bytes come in."""
     script = Script(data)
     frames = [
-        cobs.frame(struct.pack("<BBHIiiH", cobs.REPLY, 1, n, 976 * n, 40 * n, -n, n % 9))
+        cobs_frames.frame(struct.pack("<BBHIiiH", cobs.REPLY, 1, n, 976 * n, 40 * n, -n, n % 9))
         for n in range(script.number(6))
     ]
     stream = spoil(b"".join(frames), script) + script.take(script.number(100))
-    splitter, found, left = cobs.Splitter(), [], stream
+    splitter, found, left = cobs_frames.Splitter(), [], stream
     while left:
         size = 1 + script.number(40)
         found += splitter.feed(left[:size])
@@ -44,10 +45,10 @@ def cobs_stream(data: bytes) -> None:
     if all(len(piece) <= LONGEST for piece in stream.split(b"\0")):
         assert found == right, "the independent reader reads something else"
     for body in found:
-        assert oracle.crc16(body) == cobs.crc(body)
+        assert oracle.crc16(body) == cobs_frames.crc(body)
         answer = cobs.reply(body)
         assert answer is None or (len(body) == 18 and body[0] == cobs.REPLY)
-    clean = [cobs.frame(struct.pack("<BBHIiiH", 0x81, 1, n, n, n, n, 0)) for n in (1, 2)]
+    clean = [cobs_frames.frame(struct.pack("<BBHIiiH", 0x81, 1, n, n, n, n, 0)) for n in (1, 2)]
     after = [body for each in clean for body in splitter.feed(each)]
     assert after[-1:] == oracle.payloads(clean[1]), "in step again at the second frame"
 

@@ -43,13 +43,14 @@ def list_drivers(*, as_json: bool) -> None:
             "tested_on_hardware": kind.tested_on_hardware,
             "emulated": kind.emulator is not None,
             "command_unit": kind.command_unit,
-            "presets": sorted(kind.presets),
+            "measures_only": kind.measures_only,
+            "presets": kind.preset_names(),
         }
     if as_json:
         click.echo(json.dumps(found))
         return
     for name, facts in found.items():
-        click.echo(f"{name:10}{facts.get('problem') or facts['description']}")
+        click.echo(f"{name:14}{facts.get('problem') or facts['description']}")
 
 
 @command.command("find", cls=JsonCommand)

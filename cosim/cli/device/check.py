@@ -42,17 +42,32 @@ def check_device(
 
     With --enable-output its watchdog is proved as well: the output stage is switched on at zero
     torque, then nothing is sent until the device reports that its watchdog has fired. A device
-    whose watchdog was never seen to fire is refused force.
+    whose watchdog was never seen to fire is refused force. A force sensor is shown while you push
+    on it; it is sent questions alone.
     """
     from dataclasses import asdict
 
     from cosim.base.errors import InputError
+    from cosim.cli.device.sensor import (
+        is_sensor,
+        look_at_sensor,
+        refuse_for_sensor,
+        sentences,
+    )
     from cosim.cli.support.devices import open_device
     from hil.device.warnings import warnings_of
     from hil.setup.device_edit import add_watchdog_proof
     from hil.setup.look import check
     from hil.setup.watchdog_proof import prove_watchdog
 
+    if is_sensor(url):
+        refuse_for_sensor(enable_output=enable_output, yes=yes)
+        found = look_at_sensor(url, file, seconds, quiet=as_json)
+        click.echo(json.dumps(asdict(found)) if as_json else sentences(found))
+        if found.fault is not None:
+            click.echo(found.fault, err=True)
+            sys.exit(1)
+        return
     if not enable_output:
         refuse_without("--enable-output", {"--yes": yes}, "there is nothing to confirm")
     if enable_output and file is None:

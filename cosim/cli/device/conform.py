@@ -15,7 +15,7 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import seconds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from hil.device.device import Device
     from hil.safety.permission import Permission
@@ -57,19 +57,21 @@ def conform_device(
 
     Each rule is kept, broken, or was not tried, with the reason. Exit status 1: one is broken.
     """
-    from dataclasses import asdict
-
+    from cosim.cli.device.sensor import is_sensor, refuse_for_sensor, rules_of_sensor
     from cosim.cli.support.devices import open_device, person_or_emulator
     from hil.setup.conform.bench import ConformBench
-    from hil.setup.conform.suite import chosen, conform
+    from hil.setup.conform.suite import RULES, chosen, conform
     from hil.wire.side_channel import Control
 
-    rules = chosen(only)
+    if is_sensor(url):
+        refuse_for_sensor(enable_output=enable_output, yes=yes)
+        _tell(rules_of_sensor(url, file, only, seconds), as_json=as_json)
+        return
+    rules = chosen(only, RULES)
     with open_device(url, file) as device:
         ask = person_or_emulator(device, yes=yes)
         permission = _permission(device, yes=ask is None) if enable_output else None
     path = device.address.emulator if ask is None else None
-    results: list[RuleResult] = []
     with nullcontext() if path is None else closing(Control(path)) as control:
         bench = ConformBench(
             kind=type(device.driver),
@@ -81,12 +83,20 @@ def conform_device(
             permission=permission,
             seconds=seconds,
         )
-        for result in conform(bench, rules):
-            results.append(result)
-            if not as_json:
-                mark = click.style(f"{result.outcome:10}", fg=COLOURS[result.outcome])
-                why = f"\n{'':12}{result.sentence}" if result.sentence else ""
-                click.echo(f"{mark}{result.name:10}{result.claim}{why}")
+        _tell(conform(bench, rules), as_json=as_json)
+
+
+def _tell(found: Iterator[RuleResult], *, as_json: bool) -> None:
+    """Show each rule's result as it comes; a broken one makes the exit status 1."""
+    from dataclasses import asdict
+
+    results: list[RuleResult] = []
+    for result in found:
+        results.append(result)
+        if not as_json:
+            mark = click.style(f"{result.outcome:10}", fg=COLOURS[result.outcome])
+            why = f"\n{'':12}{result.sentence}" if result.sentence else ""
+            click.echo(f"{mark}{result.name:10}{result.claim}{why}")
     if as_json:
         click.echo(json.dumps({"rules": [asdict(result) for result in results]}))
     if any(result.outcome == "broken" for result in results):

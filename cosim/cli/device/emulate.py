@@ -56,6 +56,7 @@ def emulate_device(
     from contextlib import ExitStack
 
     from hil.emulation.launch import Emulator, Order
+    from hil.setup.registry import find
 
     if scenario is None:
         refuse_without(
@@ -78,7 +79,8 @@ def emulate_device(
         if fault is not None:
             emulator.control.ask("fault", kind=fault, start=after or 0)
         if output is not None:
-            _write_emulated_file(output, name, preset, emulator.home)
+            written = {"preset": preset, "home": list(emulator.home)}
+            _write_emulated_file(output, name, {} if find(name).measures_only else written)
         click.echo(json.dumps({"url": emulator.url, "home": emulator.home}))
         sys.stdout.flush()
         try:
@@ -107,10 +109,10 @@ def _firmware(name: str, stack: ExitStack) -> str:
     return str(build(Path(folder)))
 
 
-def _write_emulated_file(output: Path, name: str, preset: str, home: tuple[float, float]) -> None:
+def _write_emulated_file(output: Path, name: str, more: Mapping[str, Any]) -> None:
     from hil.setup.device_edit import save
 
-    save(output, {"driver": name, "preset": preset, "home": list(home)})
+    save(output, {"driver": name, **more})
 
 
 def _emulated(
@@ -123,7 +125,8 @@ def _emulated(
 
     if scenario is None:
         kind = find(name)
-        return kind.preset, find_preset(kind.preset, kind).parameters, None
+        preset = "quanser" if kind.measures_only else kind.preset
+        return preset, find_preset(preset, kind).parameters, None
     loaded = load(scenario, overlays)
     if component is None:
         found = [name for name, each in loaded.components.items() if each.source == "pantograph"]

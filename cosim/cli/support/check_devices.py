@@ -13,9 +13,13 @@ if TYPE_CHECKING:
     from cosim.base.document.problems import Problems
     from cosim.master.run.simulation import Simulation
     from hil.device.component import DeviceComponent
+    from hil.sensing.component import SensorComponent
+    from hil.wire.bus_plan import Placed
 
 Devices = dict[str, tuple["DeviceComponent", Fraction]]
-"""Each device with its control rate (Hz)."""
+"""Each device that pushes, with its control rate (Hz)."""
+AllDevices = dict[str, tuple["Placed", Fraction]]
+"""Those and the sensors."""
 
 
 @dataclass(slots=True)
@@ -42,7 +46,8 @@ class DeviceJudge:
         from cosim.base.document.problems import Problems
         from cosim.preparation.device_geometry import Lengths, judge_geometry
 
-        devices = _devices(scenario, simulation)
+        everything = _devices(scenario, simulation)
+        devices = _pushing(everything)
         problems = Problems(scenario.root)
         lengths = {
             name: Lengths(
@@ -53,24 +58,24 @@ class DeviceJudge:
             for name, (component, _) in devices.items()
         }
         judge_geometry(simulation.assembly, lengths, problems)
-        self._refuse_unpaced(devices, problems)
+        self._refuse_unpaced(everything, problems)
         slow = self._too_slow(devices, problems)
-        _refuse_shared_places(devices, problems)
-        self.facts["buses"] = _buses(devices, problems)
+        _refuse_shared_places(everything, problems)
+        self.facts["buses"] = _buses(everything, problems)
         problems.raise_if_any()
         latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
         self.facts["devices"] = {
             name: {
                 "url": component.address.url,
-                "latency_ticks": latency[name],
+                "latency_ticks": component.kind.latency_ticks,
                 "needs_realtime": _lives_in_real_time(component),
-                "file": _file(component),
+                "file": _facts_of_file(component),
             }
-            for name, (component, _) in devices.items()
+            for name, (component, _) in everything.items()
         }
         return [*slow, *latency_warnings(scenario, latency)]
 
-    def _refuse_unpaced(self, devices: Devices, problems: Problems) -> None:
+    def _refuse_unpaced(self, devices: AllDevices, problems: Problems) -> None:
         """A device that lives in real time needs a paced run."""
         for name, (component, _) in devices.items():
             if _lives_in_real_time(component) and self.realtime is False:
@@ -94,7 +99,7 @@ class DeviceJudge:
         return warnings
 
 
-def _refuse_shared_places(devices: Devices, problems: Problems) -> None:
+def _refuse_shared_places(devices: AllDevices, problems: Problems) -> None:
     from hil.wire.bus_plan import refuse_shared_place
 
     for name in devices:
@@ -102,21 +107,33 @@ def _refuse_shared_places(devices: Devices, problems: Problems) -> None:
             refuse_shared_place(name, devices)
 
 
-def _lives_in_real_time(component: DeviceComponent) -> bool:
+def _lives_in_real_time(component: Placed) -> bool:
     return not (component.kind.in_process or component.lockstep)
 
 
-def _devices(scenario: Scenario, simulation: Simulation) -> Devices:
+def _devices(scenario: Scenario, simulation: Simulation) -> AllDevices:
     from hil.device.component import DeviceComponent
+    from hil.sensing.component import SensorComponent
 
-    found: Devices = {}
+    found: AllDevices = {}
     for name, participant in simulation.assembly.participants.items():
-        if isinstance(participant.component, DeviceComponent):
+        if isinstance(participant.component, DeviceComponent | SensorComponent):
             found[name] = (participant.component, scenario.base_rate / participant.period)
     return found
 
 
-def _buses(devices: Devices, problems: Problems) -> list[dict[str, Any]]:
+def _pushing(everything: AllDevices) -> Devices:
+    """Those that take the place of a pantograph."""
+    from hil.device.component import DeviceComponent
+
+    return {
+        name: (component, rate)
+        for name, (component, rate) in everything.items()
+        if isinstance(component, DeviceComponent)
+    }
+
+
+def _buses(devices: AllDevices, problems: Problems) -> list[dict[str, Any]]:
     from hil.wire.bus_plan import plan_buses
 
     found: list[dict[str, Any]] = []
@@ -135,6 +152,26 @@ def _buses(devices: Devices, problems: Problems) -> list[dict[str, Any]]:
                 }
             )
     return found
+
+
+def _facts_of_file(component: Placed) -> dict[str, Any]:
+    from hil.device.component import DeviceComponent
+
+    pushes = isinstance(component, DeviceComponent)
+    return _file(component) if pushes else _sensor_file(component)
+
+
+def _sensor_file(component: SensorComponent) -> dict[str, Any]:
+    """What a sensor's file says; nothing of it is a limit."""
+    file = component.file
+    return {
+        "path": None if file.path is None else str(file.path),
+        "preset": file.preset,
+        "serial": file.serial,
+        "date": file.date,
+        "watchdog_proof": None,
+        "limits": {},
+    }
 
 
 def _file(component: DeviceComponent) -> dict[str, Any]:
@@ -167,6 +204,7 @@ def limit_rows(report: dict[str, Any]) -> list[list[str]]:
             ),
         ]
         for name, device in report["devices"].items()
+        if device["file"]["limits"]
     ]
 
 

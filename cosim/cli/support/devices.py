@@ -86,16 +86,21 @@ def refuse_without_devices(
     Raises:
         InputError: one was given where no device runs, or nothing that it could act on.
     """
+    from hil.setup.address import parse
+    from hil.setup.registry import find
+
     has_devices = any(
-        part.kind == "device" and station in (None, part.station)
+        part.kind == "device"
+        and station in (None, part.station)
+        and not find(parse(part.source).driver).measures_only
         for part in scenario.components.values()
     )
     given = {"--enable-output": enable_output, "--yes": yes, "--dead-man": dead_man}
     if (named := given_of(given)) and not has_devices:
         where = f"the station {station}" if station is not None else scenario.name
         raise InputError(
-            f"{' and '.join(named)}: {where} has no device; lay one over it with --with "
-            f"devices/mock, or leave {'it' if len(named) == 1 else 'them'} out."
+            f"{' and '.join(named)}: {where} has no device that pushes; lay one over it "
+            f"with --with devices/mock, or leave {'it' if len(named) == 1 else 'them'} out."
         )
     if not enable_output:
         refuse_without("--enable-output", given, "no force comes out that it could allow")

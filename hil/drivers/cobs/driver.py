@@ -12,10 +12,11 @@ from cosim.base.errors import InputError
 from hil.device.contract import NOTHING, ZERO, Received, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError
-from hil.drivers.cobs.protocol import CommandFlag, Reply, ReplyFlag, Splitter, command, reply
+from hil.drivers.cobs.protocol import CommandFlag, Reply, ReplyFlag, command, reply
 from hil.drivers.samples import WrappingClock, sample_of_counts
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
+from hil.wire.cobs_frames import Splitter
 from hil.wire.serial_port import SerialOptions, SerialPort
 
 WATCHDOG_MS = 20

@@ -10,11 +10,12 @@ import ctypes
 import struct
 
 from hil.device.contract import ZERO
-from hil.drivers.cobs.protocol import COMMAND, REPLY, CommandFlag, ReplyFlag, Splitter, frame
+from hil.drivers.cobs.protocol import COMMAND, REPLY, CommandFlag, ReplyFlag
 from hil.emulation.board import Board, Unit
 from hil.emulation.faults import FaultKind
 from hil.emulation.launch import Made, Order, on_terminal
 from hil.emulation.world import World
+from hil.wire.cobs_frames import Splitter, frame
 
 LONGEST_WATCHDOG_MS = 100
 LARGEST_TORQUE = 10.0

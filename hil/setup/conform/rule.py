@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import Generic, TypeVar
 
-if TYPE_CHECKING:
-    from hil.setup.conform.bench import ConformBench
+B = TypeVar("B")
+"""The bench of what is tried: a board's, or a sensor's."""
 
 
 class Need(StrEnum):
@@ -29,12 +29,12 @@ class Conformity(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class ConformRule:
+class ConformRule(Generic[B]):
     """``check`` raises ``NotConform`` or ``NotTried``; where it returns, the rule is kept."""
 
     name: str
     claim: str
-    check: Callable[[ConformBench], None]
+    check: Callable[[B], None]
     needs: frozenset[Need] = frozenset()
 
 

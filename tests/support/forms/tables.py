@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from cosim.base.document.form import QuantityIn
 from cosim.reading import FORMS
+from hil.sensing.sensor_file import SensorFileForm
 from hil.setup.device_form import DeviceFileForm
 from hil.setup.options import IntegersIn
 from hil.setup.registry import find, names
@@ -30,6 +31,7 @@ def forms() -> dict[str, type[BaseModel]]:
     drivers = [find(name) for name in names()]
     roots = [
         DeviceFileForm,
+        SensorFileForm,
         *(FORMS[name]() for name in ("safety", "realtime", "link")),
         *(driver.settings for driver in drivers),
         *(driver.options for driver in drivers),

@@ -6,9 +6,9 @@ import struct
 from contextlib import AbstractContextManager
 from types import SimpleNamespace
 
-from hil.drivers.cobs import protocol
 from hil.drivers.cobs.emulator import CobsBoard
 from hil.emulation.faults import FaultKind
+from hil.wire import cobs_frames
 from tests.support.hil.board_process import board_process
 
 REPLY = struct.Struct("<BBHIiiH")
@@ -27,12 +27,12 @@ class Mutant(CobsBoard):
         if answer is None:
             return None
         self.answered += 1
-        _, status, sequence, time, *count, age = REPLY.unpack(protocol.payload(answer[:-1]))
+        _, status, sequence, time, *count, age = REPLY.unpack(cobs_frames.payload(answer[:-1]))
         changed = self.change(status, sequence, time, count)
         if changed is None:
             return None
         status, sequence, time, count = changed
-        return protocol.frame(REPLY.pack(0x81, status, sequence, time & 0xFFFFFFFF, *count, age))
+        return cobs_frames.frame(REPLY.pack(0x81, status, sequence, time & 0xFFFFFFFF, *count, age))
 
     def change(self, status, sequence, time, count):
         return status, sequence, time, count
@@ -144,7 +144,7 @@ class IgnoresTheChecksum(Mutant):
         answers = []
         *whole, self.rest = (getattr(self, "rest", b"") + unit).split(b"\0")
         for part in whole:
-            body = protocol.unstuff(part)
+            body = cobs_frames.unstuff(part)
             if body is None or len(body) != 16:
                 continue
             answer = self._command(b"\1" + body[1:14])
@@ -166,7 +166,7 @@ class AnswersHalves(Mutant):
 
     @staticmethod
     def last(unit) -> int:
-        body = protocol.unstuff(unit) or b"\0" * 4
+        body = cobs_frames.unstuff(unit) or b"\0" * 4
         return int.from_bytes(body[2:4], "little")
 
 

@@ -18,6 +18,7 @@ from hil.device.contract import ZERO, Flag, State, WriteOutcome
 from hil.drivers.cobs import protocol as cobs
 from hil.drivers.haply.driver import OUTSTANDING_TICKS
 from hil.drivers.haply.emulator import SATURATION
+from hil.wire import cobs_frames
 from hil.wire import slcan_lines as slcan
 from hil.wire.slcan import StrictSlcanBus
 from tests.fuzz.wire import on_wire
@@ -42,7 +43,7 @@ def spoilings(whole: bytes, inserted=range(256)):
 @pytest.mark.parametrize(
     ("frames", "splitter", "read"),
     [
-        (FRAMES, cobs.Splitter, lambda frame: cobs.payload(frame[:-1])),
+        (FRAMES, cobs_frames.Splitter, lambda frame: cobs_frames.payload(frame[:-1])),
         (LINES, slcan.LineSplitter, lambda line: slcan.data_frame(line[:-1])),
     ],
     ids=["cobs", "slcan"],

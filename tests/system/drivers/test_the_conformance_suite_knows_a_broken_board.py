@@ -66,7 +66,7 @@ def test_every_rule_has_a_board_that_breaks_it():
 def test_a_board_that_breaks_a_rule_is_told_of_it(name: str):
     with mutant(name) as board:
         made = on(board, "cobs", {"watchdog_proof": PROOF})
-        (result,) = conform(made, chosen([name.partition(" ")[0]]))
+        (result,) = conform(made, chosen([name.partition(" ")[0]], RULES))
     assert result.outcome is Conformity.BROKEN, result
     assert len(result.sentence) > 20
 
@@ -76,7 +76,7 @@ def test_a_driver_that_locks_nothing_is_told_of_it(bench: Bench, monkeypatch):
     made = on(emulator, "cobs", SETUPS["cobs"]["file"])
     monkeypatch.setattr("hil.wire.serial_port.own_port", lambda *_: None)
     monkeypatch.setattr("hil.wire.serial_port.PATIENCE", 1.0)
-    (result,) = conform(made, chosen(["owner"]))
+    (result,) = conform(made, chosen(["owner"], RULES))
     assert result.outcome is Conformity.BROKEN, result
 
 
@@ -96,7 +96,7 @@ def test_a_file_with_another_encoder_is_told_of_it(bench: Bench, monkeypatch):
         )
 
     monkeypatch.setattr(real, doubled)
-    (result,) = conform(made, chosen(["counts"]))
+    (result,) = conform(made, chosen(["counts"], RULES))
     assert result.outcome is Conformity.BROKEN, result
 
 
@@ -139,6 +139,6 @@ def test_a_real_board_without_a_watchdog_is_not_made_active_here(bench: Bench):
     emulator = bench.emulator("haply")
     made = on(emulator, "haply", SETUPS["haply"]["file"])
     made.permission = ask("haply", [], lambda _: "enable")
-    (result,) = conform(made, chosen(["reset"]))
+    (result,) = conform(made, chosen(["reset"], RULES))
     assert result.outcome is Conformity.NOT_TRIED
     assert "no supervisor guards this process" in result.sentence

@@ -61,8 +61,9 @@ def test_a_command_that_came_after_the_clock_was_read_fires_no_watchdog():
     device, reply = (ctypes.c_uint8 * 256)(), (ctypes.c_uint8 * 24)()
     count = (ctypes.c_int32 * 2)()
     library.device_init(device)
-    from hil.drivers.cobs.protocol import CommandFlag, ReplyFlag, Splitter, command
+    from hil.drivers.cobs.protocol import CommandFlag, ReplyFlag, command
     from hil.drivers.cobs.protocol import reply as read
+    from hil.wire.cobs_frames import Splitter
 
     def exchange(now: int) -> ReplyFlag:
         flags = CommandFlag.ENABLE

@@ -10,19 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hil.drivers.cobs.emulator import _Device
-from hil.drivers.cobs.protocol import (
-    CommandFlag,
-    ReplyFlag,
-    Splitter,
-    command,
-    crc,
-    frame,
-    payload,
-    reply,
-    stuff,
-    unstuff,
-)
+from hil.drivers.cobs.protocol import CommandFlag, ReplyFlag, command, reply
 from hil.firmware.build import build
+from hil.wire.cobs_frames import Splitter, crc, frame, payload, stuff, unstuff
 
 torques = st.tuples(st.floats(-1, 1, width=32), st.floats(-1, 1, width=32))
 

@@ -13,7 +13,8 @@ import struct
 import numpy as np
 import pytest
 
-from hil.drivers.cobs.protocol import CommandFlag, Splitter, command, crc, frame, payload
+from hil.drivers.cobs.protocol import CommandFlag, command
+from hil.wire.cobs_frames import Splitter, crc, frame, payload
 from tests.fuzz import oracle
 
 BODIES = {"command": 14, "reply": 18}

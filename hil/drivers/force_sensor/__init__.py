@@ -1,0 +1,1 @@
+"""Force sensors behind our framed protocol; driver, protocol, emulator."""

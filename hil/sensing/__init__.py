@@ -1,0 +1,1 @@
+"""Devices that measure and push nothing: what a sensor is, its file, its component."""
