@@ -53,14 +53,16 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
     bodies: list[dict[str, Any]] = []
     pointers: list[dict[str, Any]] = []
     walls: list[list[float]] = []
+    shares = _shares(assembly, meant)
     for name, participant in assembly.participants.items():
         signals = meant.get(name, {})
         station = assembly.scenario.components[name].station
         if pose := _all(signals, POSE):
             boxes.append({"name": name, "station": station, "pose": pose, **_box(signals)})
-            boxes[-1] |= _numbers(participant)
+            boxes[-1] |= {**_numbers(participant), **shares.get(name, {})}
             walls += [wall for wall in _walls(participant) if wall not in walls]
-        fingers += _fingers(name, station, participant, signals)
+        of_world = shares.get(name, {})
+        fingers += [f | of_world for f in _fingers(name, station, participant, signals)]
         bodies += [
             {"name": name, "position": position}
             for position in signals.get((Meaning.AXIS_POSITION, Slot()), [])
@@ -81,6 +83,20 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
         "walls": walls,
         "channels": channels,
     }
+
+
+def _shares(assembly: Assembly, meant: Mapping[str, Signals]) -> dict[str, dict[str, Any]]:
+    """By component of one of two worlds: the crossfade's share, and which of its worlds it is."""
+    sides = {Meaning.FADED_FIRST: 0, Meaning.FADED_SECOND: 1}
+    found: dict[str, dict[str, Any]] = {}
+    for link in assembly.scenario.connections:
+        target = assembly.participants.get(link.target.component)
+        variable = target and target.interface.variables.get(link.target.path)
+        side = None if variable is None else sides.get(cast("Meaning", variable.meaning_of()))
+        share = _one(meant.get(link.target.component, {}), Meaning.FADED_SHARE)
+        if side is not None and share is not None:
+            found[link.source.component] = {"share": share, "world": side}
+    return found
 
 
 def _all(signals: Signals, wanted: Iterable[Meaning], slot: Slot | None = None) -> list[str]:

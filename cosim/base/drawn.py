@@ -26,6 +26,6 @@ def _names(entry: Any) -> Iterator[str]:
 _SIGNAL_KEYS = frozenset(
     {
         *("pose", "nodes", "penetration", "position", "force", "state", "normal_force"),
-        *("angles", "age", "sequence", "energy", "valid", "count"),
+        *("angles", "age", "sequence", "energy", "valid", "count", "share"),
     }
 )

@@ -37,7 +37,7 @@ LOOK_SECONDS = 0.1
 
 
 @click.command("play", cls=JsonCommand)
-@click.argument("scenario", default="two_users_box", shell_complete=scenario_names)
+@click.argument("scenario", default="two_users_box_switched", shell_complete=scenario_names)
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="Lay a file over it.")
 @click.option(
     "--set",
@@ -83,7 +83,7 @@ def command(
             raise InputError("--again runs a take as it was: leave out --live-at and --duration.")
         _again(Path(scenario), overlays, sets, out)
     from cosim.cli.support.devices import refuse_without_devices, say
-    from cosim.cli.support.play_theory import radii
+    from cosim.cli.support.play_theory import theory_of
     from cosim.live.access import listening
     from cosim.live.control import PlayControl
     from cosim.live.knobs import places
@@ -94,7 +94,7 @@ def command(
     from cosim.realtime.ring import Ring
 
     lasting = f"duration={duration or DURATION}"
-    users, knobs, loaded = _with_hands(scenario, overlays, (*sets, lasting))
+    users, knobs, loaded = _with_hands(scenario, overlays, sets, lasting)
     refuse_without_devices(loaded, enable_output=False, yes=False, dead_man=None)
     with ExitStack() as stack:
         control = PlayControl.create()
@@ -113,7 +113,7 @@ def command(
                 control=control.path,
                 panels={station: ring.path for station, ring in rings.items()},
                 knobs=knobs,
-                theory=radii(loaded, knobs),
+                theory=theory_of(loaded, knobs),
             )
         )
         address = server.address()
@@ -169,15 +169,17 @@ def _again(
 
 
 def _with_hands(
-    scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...]
+    scenario: str, overlays: tuple[str, ...], sets: tuple[str, ...], lasting: str
 ) -> tuple[list[User], list[PageKnob], Scenario]:
     """Who can be played, what can be turned, and the scenario with pointers and panels in it.
+
+    It lasts as long as the take only when people have taken over what it turns itself.
 
     Raises:
         InputError: it cannot be read, or nobody can be played.
     """
     from cosim.live.hands import users_of, with_hands
-    from cosim.live.knobs import knobs_of, with_panels
+    from cosim.live.knobs import knobs_of, others_events, with_panels
     from cosim.reading import load
 
     emulated = load(scenario, overlays, sets)
@@ -187,7 +189,8 @@ def _with_hands(
         hands.write_text(json.dumps(with_hands(emulated, users)), encoding="utf-8")
         panels = Path(folder) / "panels.yaml"
         panels.write_text(json.dumps(with_panels(emulated, knobs)), encoding="utf-8")
-        return users, knobs, load(scenario, (*overlays, hands, panels), sets)
+        events = f"events={json.dumps(others_events(emulated, knobs))}"
+        return users, knobs, load(scenario, (*overlays, hands, panels), (*sets, lasting, events))
 
 
 def _takes(

@@ -16,6 +16,7 @@ from cosim.live.mailbox import FINGERS
 from cosim.scenario import Scenario, ScenarioComponent
 
 POINTER, PANEL = "cosim.live.pointer:Pointer", "cosim.live.panel:KnobPanel"
+CROSSFADE = "cosim.live.crossfade:Crossfade"
 OPERATOR, DEVICE = "operator", "pantograph"
 FORWARD, REACH = 0.77, 0.27
 """Where the middle of a pantograph's workspace lies in front of its motors, and how far from there

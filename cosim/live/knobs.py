@@ -11,12 +11,15 @@ from dataclasses import dataclass, field
 from math import ceil, floor, isfinite
 from typing import Any, Literal, cast
 
-from cosim.live.hands import PANEL
+from cosim.base.errors import InputError
+from cosim.live.hands import CROSSFADE, PANEL
 from cosim.live.panel import KNOBS
 from cosim.realtime.ring import Ring
 from cosim.scenario import Channel, Scenario, ScenarioComponent
 
 COPIES, SERVER = "distributed_workstation", "central_server"
+ARCHITECTURES = {COPIES: "distributed", SERVER: "centralized", "remote_client": "centralized"}
+SWITCH = "control"
 MOST_DELAY = 4
 """Samples of round-trip delay."""
 Rounding = Literal["none", "up", "down"]
@@ -53,21 +56,33 @@ class PageKnob:
     step: float
     start: float
     wires: tuple[KnobWire, ...] = field(repr=False)
+    choices: tuple[str, ...] = ()
+    """What a switch's values 0, 1 … are called; empty for a slider."""
 
 
 def knob_of(told: Mapping[str, Any]) -> PageKnob:
     """What ``dataclasses.asdict`` made of a knob, after a way as JSON."""
     given = dict(told)
     wires = tuple(KnobWire(**wire) for wire in given.pop("wires"))
-    return PageKnob(**given, wires=wires)
+    return PageKnob(**given | {"choices": tuple(given["choices"])}, wires=wires)
 
 
 def knobs_of(scenario: Scenario) -> list[PageKnob]:
-    """What may be turned of a scenario that is played."""
-    found: list[PageKnob] = []
+    """What may be turned of a scenario that is played.
+
+    Raises:
+        InputError: it is more than the panels hold.
+    """
+    found = [*_switches(scenario)]
     for channel in scenario.channels.values():
         found += _of_channel(channel, float(scenario.base_rate))
     found += _of_models(scenario)
+    for station, wires in places(found).items():
+        if len(wires) > KNOBS:
+            raise InputError(
+                f"{scenario.name}: there are {len(wires)} things to turn at {station}, and a panel "
+                f"has room for {KNOBS}; play a scenario with fewer channels there."
+            )
     return found
 
 
@@ -97,13 +112,27 @@ def with_panels(scenario: Scenario, knobs: list[PageKnob]) -> dict[str, Any]:
     return {"components": components, "connections": connections, "knobs": ranges}
 
 
+def others_events(scenario: Scenario, knobs: list[PageKnob]) -> list[dict[str, Any]]:
+    """What the scenario turns itself, as YAML holds it, but for what people turn now."""
+    turned = {wire.target for knob in knobs for wire in knob.wires}
+    return [
+        {
+            "at": f"{event.tick} ticks",
+            "set": {str(event.target): f"{event.value} s" if seconds else event.value},
+        }
+        for event in scenario.events
+        if str(event.target) not in turned
+        for seconds in [str(event.target).endswith((".delay", ".jitter"))]
+    ]
+
+
 def places(knobs: list[PageKnob]) -> dict[str, list[tuple[PageKnob, KnobWire]]]:
     """By station, what each value of its panel turns, in order."""
     found: dict[str, list[tuple[PageKnob, KnobWire]]] = {}
     for knob in knobs:
         for wire in knob.wires:
             found.setdefault(wire.station, []).append((knob, wire))
-    return {station: wires[:KNOBS] for station, wires in found.items()}
+    return found
 
 
 class Panels:
@@ -125,6 +154,7 @@ class Panels:
                 "maximum": knob.maximum,
                 "step": knob.step,
                 "value": self._values[knob.key],
+                "choices": knob.choices,
             }
             for knob in self._knobs.values()
         ]
@@ -138,6 +168,8 @@ class Panels:
             knob = self._knobs.get(key)
             if knob is None or type(value) not in {int, float} or not isfinite(value):
                 continue
+            if knob.choices and value not in range(len(knob.choices)):
+                continue
             if knob.minimum <= value <= knob.maximum:
                 self._values[knob.key] = float(value)
         if self._values == before:
@@ -148,6 +180,34 @@ class Panels:
                 row[index] = wire.value(self._values[knob.key])
             ring.write(row)
         return True
+
+
+def _switches(scenario: Scenario) -> Iterator[PageKnob]:
+    """Between two worlds that step beside each other: what each crossfade passes on."""
+    fades = [part for part in scenario.components.values() if part.source == CROSSFADE]
+    if fades:
+        yield PageKnob(
+            key=SWITCH,
+            label="Control",
+            unit="",
+            minimum=0,
+            maximum=1,
+            step=1,
+            start=float(cast("float", fades[0].parameters.get("position", 0.0))),
+            wires=tuple(KnobWire(station=p.station, target=f"{p.name}.position") for p in fades),
+            choices=_worlds(scenario, fades[0].name),
+        )
+
+
+def _worlds(scenario: Scenario, fade: str) -> tuple[str, str]:
+    """What the two worlds of a crossfade are called: by their architecture, else by component."""
+    found = {"first": "first", "second": "second"}
+    for link in scenario.connections:
+        side = link.target.path.partition("_")[0]
+        if link.target.component == fade and side in found:
+            part = scenario.components[link.source.component]
+            found[side] = ARCHITECTURES.get(part.source, part.name)
+    return found["first"], found["second"]
 
 
 def _of_channel(channel: Channel, base_rate: float) -> Iterator[PageKnob]:
@@ -211,21 +271,17 @@ def _of_channel(channel: Channel, base_rate: float) -> Iterator[PageKnob]:
 
 
 def _of_models(scenario: Scenario) -> Iterator[PageKnob]:
-    copies = [part for part in scenario.components.values() if part.source == COPIES]
-    servers = [part for part in scenario.components.values() if part.source == SERVER]
-    if copies:
-        yield _parameter(copies, "coupling_stiffness", "Coupling of the copies", (0, 200, 2.5))
-    if servers:
-        yield _parameter(
-            servers, "remote_normal_stiffness", "Coupler of the remote user", (50, 1000, 10)
-        )
-    if copies or servers:
-        wires = tuple(
-            KnobWire(station=part.station, target=f"{part.name}.compensation.{axis}")
-            for part in copies or servers
-            for axis in "xy"
-        )
-        start = float(cast("float", (copies or servers)[0].parameters.get("compensation.x", 0.0)))
+    parts = scenario.components.values()
+    copies = [part for part in parts if part.source == COPIES]
+    servers = [part for part in parts if part.source == SERVER]
+    yield from _parameter(copies, "coupling_stiffness", "Coupling of the copies", (0, 200, 2.5))
+    yield from _parameter(
+        servers, "remote_normal_stiffness", "Coupler of the remote user", (50, 1000, 10)
+    )
+    worlds = [*copies, *servers]
+    starts = {_start(part, f"compensation.{axis}") for part in worlds for axis in "xy"}
+    if len(starts) == 1:
+        start = starts.pop()
         yield PageKnob(
             key="compensation",
             label="Compensation b_c",
@@ -234,24 +290,35 @@ def _of_models(scenario: Scenario) -> Iterator[PageKnob]:
             maximum=max(0.0, start),
             step=0.1,
             start=start,
-            wires=wires,
+            wires=tuple(
+                KnobWire(station=part.station, target=f"{part.name}.compensation.{axis}")
+                for part in worlds
+                for axis in "xy"
+            ),
         )
 
 
 def _parameter(
     parts: list[ScenarioComponent], name: str, label: str, ends: tuple[float, float, float]
-) -> PageKnob:
-    start = float(cast("float", parts[0].parameters.get(name, DEFAULTS[name])))
-    return PageKnob(
-        key=name,
-        label=label,
-        unit="N/m",
-        minimum=min(ends[0], start),
-        maximum=max(ends[1], start),
-        step=ends[2],
-        start=start,
-        wires=tuple(KnobWire(station=p.station, target=f"{p.name}.{name}") for p in parts),
-    )
+) -> Iterator[PageKnob]:
+    """A knob of parts that agree; where they differ, one knob would change what nobody turned."""
+    starts = {_start(part, name) for part in parts}
+    if len(starts) == 1:
+        start = starts.pop()
+        yield PageKnob(
+            key=name,
+            label=label,
+            unit="N/m",
+            minimum=min(ends[0], start),
+            maximum=max(ends[1], start),
+            step=ends[2],
+            start=start,
+            wires=tuple(KnobWire(station=p.station, target=f"{p.name}.{name}") for p in parts),
+        )
+
+
+def _start(part: ScenarioComponent, name: str) -> float:
+    return float(cast("float", part.parameters.get(name, DEFAULTS.get(name, 0.0))))
 
 
 DEFAULTS = {"coupling_stiffness": 77.5, "remote_normal_stiffness": 170.0}

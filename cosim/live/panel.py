@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from cosim.base.component import Causality, Cells, Component, Setup, Variable
 from cosim.realtime.ring import Ring
 
-KNOBS = 8
+KNOBS = 16
 """Values of one panel."""
 
 VARIABLES = (

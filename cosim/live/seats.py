@@ -55,7 +55,8 @@ class Seats:
     ) -> None:
         self._mailboxes = mailboxes
         self._panels = panels or Panels([], {})
-        self._theory = theory
+        self.theory = theory
+        """What is known of the run at its knobs' values, for the page."""
         self._control = control
         self._held: dict[str, Viewer] = {}
         self._clocks: dict[str, _Clock] = {}
@@ -93,7 +94,6 @@ class Seats:
             "taken": sorted(self._held),
             "control": self._control.told(),
             "knobs": self._panels.told(),
-            "theory": self._theory,
         }
 
     def seen(self) -> dict[str, list[list[float]]]:

@@ -215,6 +215,7 @@ class LiveServer:
                 "values": run.scene_signals,
                 "signals": {column[0]: column[1] for column in columns},
                 "about": content.get("about") or {},
+                "theory": None if self._seats is None else self._seats.theory,
             }
         )
         if self._seats is not None:

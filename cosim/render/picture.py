@@ -113,21 +113,31 @@ class Painter:
         self._grid(pen)
         for wall in self._scene["walls"]:
             self._wall(pen, wall)
-        boxes: list[Mapping[str, Any]] = self._scene["boxes"]
+        boxes, fingers = (self._in_use(self._scene[what], number) for what in ("boxes", "fingers"))
         for box in boxes[1:]:
             self._box(pen, box, number, is_ghost=True)
         for box in boxes[:1]:
             self._box(pen, box, number, is_ghost=False)
-        for finger in self._scene["fingers"]:
+        for finger in fingers:
             self._linkage(pen, finger, number)
-        for each in (*self._scene["fingers"], *boxes):
+        for each in (*fingers, *boxes):
             self._trail(pen, each, number)
-        for finger in self._scene["fingers"]:
+        for finger in fingers:
             self._finger(pen, finger, number)
         for order, body in enumerate(self._scene["bodies"]):
             self._body(pen, body, order, number)
         self._text(pen, number)
         return image.reduce(OVERSAMPLED)
+
+    def _in_use(self, things: Sequence[Mapping[str, Any]], number: int) -> list[Mapping[str, Any]]:
+        """Of two worlds beside each other the one whose torques are passed on in a frame."""
+        found: list[Mapping[str, Any]] = []
+        for thing in things:
+            share = self._poses.one(thing.get("share"))
+            second = share is not None and bool(share[number] >= 0.5)
+            if thing.get("world", 0) == int(second):
+                found.append(thing)
+        return found
 
     def _user(self, station: str) -> Colour:
         return self._colours[f"user-{self._number.get(station, 0) % 4}"]

@@ -12,6 +12,7 @@ from cosim.base.errors import CohapticError
 if TYPE_CHECKING:
     from cosim.live.knobs import PageKnob
     from cosim.scenario import Scenario
+    from cosim.theory.numerics import Complex
 
 PLACES = {
     "coupling_stiffness": ("k_o1", "k_o2"),
@@ -21,13 +22,47 @@ PLACES = {
 """The loop's parameters that a knob turns."""
 LEVELS = {"coupling_stiffness": 9, "remote_normal_stiffness": 9, "compensation": 3}
 DELAY = "round_trip_delay"
+WORLDS = {
+    "distributed": {"distributed_workstation"},
+    "centralized": {"central_server", "remote_client"},
+}
+"""The models of each architecture."""
+MODES = 3
+"""How many modes are told."""
+
+
+def theory_of(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | None:
+    """What is known of each architecture that a scenario holds, in the order of its switch.
+
+    ``worlds`` are as :func:`radii` has them, ``switch`` the key of the knob that chooses between
+    them. ``None`` where the theory has no loop of the scenario.
+    """
+    from cosim.live.knobs import SWITCH
+
+    switch = next((knob for knob in knobs if knob.key == SWITCH), None)
+    present = {part.source for part in scenario.components.values() if part.is_bundled}
+    names = [name for name, models in WORLDS.items() if models & present]
+    if switch is not None:
+        names = [name for name in switch.choices if name in names]
+        if len(names) < len(switch.choices):
+            return None
+    found = [radii(_alone(scenario, name), knobs) for name in names]
+    worlds = [
+        {"name": name, **world}
+        for name, world in zip(names, found, strict=True)
+        if world is not None
+    ]
+    if not worlds or len(worlds) < len(names):
+        return None
+    return {"switch": SWITCH, "worlds": worlds}
 
 
 def radii(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | None:
     """Spectral radius over one network period at every point of a grid of the knobs.
 
-    ``axes`` are the knobs' keys and levels, ``radii`` the values, the last axis fastest. ``None``
-    where the theory has no loop of the scenario. Loss and jitter are left out.
+    ``axes`` are the knobs' keys and levels, ``radii`` the values, the last axis fastest; ``modes``
+    the slowest modes at each point, each its growth a second and its frequency (Hz). ``None``
+    where the theory has no such loop. Loss and jitter are left out.
     """
     import numpy as np
 
@@ -41,13 +76,17 @@ def radii(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | Non
     except CohapticError:
         return None
     delays = [knob for knob in knobs if knob.key.endswith(DELAY)]
-    turned = [knob for knob in knobs if knob.key in PLACES]
-    if len(delays) != 1:
+    turned = [
+        knob for knob in knobs if any(name in loop.values for name in PLACES.get(knob.key, ()))
+    ]
+    if len(delays) != 1 or not turned or loop.timing.ratio.denominator != 1:
         return None
     most = int(delays[0].maximum)
     axes = [[float(n) for n in range(most + 1)]]
     axes += [np.linspace(k.minimum, k.maximum, LEVELS[k.key]).tolist() for k in turned]
+    period = float(loop.timing.control_period * loop.timing.ratio)
     found: list[float] = []
+    modes: list[list[list[float]]] = []
     for delay, *levels in product(*axes):
         values = dict(loop.values)
         for knob, level in zip(turned, levels, strict=True):
@@ -55,6 +94,35 @@ def radii(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | Non
         model = Parameters(loop.architecture, values, {}, users=loop.users).model()
         samples = int(delay)
         path = PathDelay(forward=samples - samples // 2, backward=samples // 2)
-        found.append(stability(model, replace(loop.timing, delay=path)).spectral_radius)
+        known = stability(model, replace(loop.timing, delay=path))
+        found.append(float(f"{known.spectral_radius:.6g}"))
+        modes.append(_modes(known.spectrum.values, period))
     keys = [delays[0].key, *(knob.key for knob in turned)]
-    return {"axes": [list(axis) for axis in zip(keys, axes, strict=True)], "radii": found}
+    axes_told = [list(axis) for axis in zip(keys, axes, strict=True)]
+    return {"axes": axes_told, "radii": found, "modes": modes}
+
+
+def _modes(eigenvalues: Complex, period: float) -> list[list[float]]:
+    """Growth a second and frequency (Hz) of the largest eigenvalues, one of each pair."""
+    import numpy as np
+
+    values = eigenvalues[eigenvalues.imag >= 0.0][:MODES]
+    growth = np.clip(np.abs(values), 1e-3, 1e3) ** (1.0 / period)
+    hertz = np.angle(values) / (2 * np.pi * period)
+    return [[float(f"{g:.4g}"), float(f"{f:.4g}")] for g, f in zip(growth, hertz, strict=True)]
+
+
+def _alone(scenario: Scenario, name: str) -> Scenario:
+    """The scenario with one architecture's models alone."""
+    others = {model for world, models in WORLDS.items() if world != name for model in models}
+    kept = {
+        key: part
+        for key, part in scenario.components.items()
+        if not (part.is_bundled and part.source in others)
+    }
+    links = tuple(
+        link
+        for link in scenario.connections
+        if link.source.component in kept and link.target.component in kept
+    )
+    return replace(scenario, components=kept, connections=links)

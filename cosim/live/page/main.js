@@ -1,13 +1,14 @@
 // The live page: what comes through the socket, drawn.
 
 import { Connection } from "/connection.js";
+import { forcesOf } from "/forces.js";
 import { Hand } from "/hand.js";
 import { Quantiles, delays, losses, packets, ripple, saturation } from "/measures.js";
 import { Plots } from "/plots.js";
 import { STATES, Scene, label, mark } from "/scene.js";
 import { Store } from "/store.js";
 import { colours, onTheme } from "/theme.js";
-import { drawMap, radiusAt } from "/theory.js";
+import { drawMap, modesAt, radiusAt } from "/theory.js";
 
 const $ = (id) => document.getElementById(id);
 const PLOT_MS = 50;
@@ -15,6 +16,7 @@ const PLOT_SHARE = 5; // plots take a fifth of the time at most
 const READOUT_MS = 250;
 const DRAW_MS = 6;
 const RIPPLE_SECONDS = 1;
+const SWITCH_KEY = "c";
 const RIPPLE_MEAN = 0.125; // s of the running mean
 
 const store = new Store();
@@ -22,6 +24,7 @@ const scene = new Scene($("scene"));
 const plots = new Plots($("plots"), store);
 const latency = new Quantiles();
 let run = null;
+let forces = []; // on each finger
 let seats = null;
 let newest = null;
 let dirty = false;
@@ -76,6 +79,7 @@ function introduce(told) {
   document.title = `${told.name} · cohaptic`;
   say("The run goes on.");
   store.clear();
+  forces = forcesOf(told.scene.fingers);
   scene.show(told.scene, told.values);
   hand.forget();
   newest = null;
@@ -92,11 +96,13 @@ function usualPlots() {
   plots.clear();
   chosen = null;
   const { fingers, channels, boxes, bodies } = run.scene;
-  const forced = fingers.filter((finger) => finger.force.length);
-  if (forced.length) {
-    plots.add("Force on the fingers", "N", forced.map((finger) => ({
-      names: finger.force, label: label(finger), colour: scene.colourOf(finger.station),
-      dash: finger.finger - 1, combine: ([x, y]) => (x === null ? null : Math.hypot(x, y)),
+  if (forces.length) {
+    plots.add("Force on the fingers", "N", forces.map(({ finger, names, given }) => ({
+      names, label: label(finger), colour: scene.colourOf(finger.station), dash: finger.finger - 1,
+      combine: (values) => {
+        const [x, y] = given(values);
+        return x === null ? null : Math.hypot(x, y);
+      },
     })));
   }
   if (channels.length) {
@@ -111,14 +117,16 @@ function usualPlots() {
       })),
     ]);
   }
-  const ports = fingers.filter((finger) => finger.energy);
+  // Of two worlds each counts what it would have been given, which is no user's energy.
+  const ports = fingers.filter((finger) => finger.energy && finger.share === undefined);
   if (ports.length) {
     plots.add("Energy that the users have put in", "J", ports.map((finger) => ({
       names: [finger.energy], label: label(finger), colour: scene.colourOf(finger.station),
       dash: finger.finger - 1,
     })));
   }
-  const first = boxes.length ? boxes.map((box) => box.pose[0]) : bodies.map((body) => body.position);
+  const copies = boxes.filter((box) => !box.world);
+  const first = boxes.length ? copies.map((box) => box.pose[0]) : bodies.map((body) => body.position);
   chosenNames = chosenNames.filter((name) => name in run.signals);
   if (!chosenNames.length) chosenNames = first;
   plotChosen();
@@ -176,10 +184,12 @@ function readouts() {
   const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "–");
   const since = newest.time - RIPPLE_SECONDS;
   const stations = new Map();
-  for (const finger of run.scene.fingers.filter((each) => each.force.length)) {
-    const found = store.since(finger.force, since);
+  for (const { finger, names, given } of forces) {
+    const found = store.since(names, since);
     if (!found || found[0].length < 10) continue;
-    const [times, x, y] = found;
+    const [times, ...columns] = found;
+    const pairs = times.map((_, row) => given(columns.map((column) => column[row])));
+    const [x, y] = [0, 1].map((axis) => pairs.map((pair) => pair[axis]));
     const step = (times.at(-1) - times[0]) / (times.length - 1);
     const value = {
       ripple: ripple(x, y, Math.max(3, Math.round(RIPPLE_MEAN / step))),
@@ -222,7 +232,7 @@ function readouts() {
     row.append(term, detail);
     return row;
   }));
-  const touching = run.scene.fingers.filter((finger) => scene.value(finger.state)).map(label);
+  const touching = scene.fingers.filter((finger) => scene.value(finger.state)).map(label);
   $("scene").setAttribute("aria-label", `The scene at ${newest.time.toFixed(1)} s; ` +
     (touching.length ? `fingers on the box: ${touching.join(", ")}` : "no finger touches the box"));
 }
@@ -299,36 +309,81 @@ function showKnobs(knobs) {
   const panel = $("knobs");
   panel.hidden = !knobs.length || !run?.scene.pointers.length;
   for (const knob of knobs) {
-    let input = document.getElementById(`knob-${knob.key}`);
-    if (!input) {
-      const row = document.createElement("label");
-      input = document.createElement("input");
-      Object.assign(input, {
-        type: "range", id: `knob-${knob.key}`, min: knob.minimum, max: knob.maximum, step: knob.step,
-      });
-      const shown = document.createElement("output");
-      input.addEventListener("input", () => {
-        connection.say({ knobs: { [knob.key]: Number(input.value) } });
-        shown.textContent = `${input.value} ${knob.unit}`;
-      });
-      row.append(knob.label, input, shown);
-      panel.append(row);
+    const shown = document.getElementById(`knob-${knob.key}`) ?? (knob.choices.length ? choice : slider)(knob);
+    if (!shown.isConnected) panel.append(shown.closest("label") ?? shown);
+    shown.disabled = seats.user === null;
+    if (knob.choices.length) shown.querySelectorAll("input")[knob.value].checked = true;
+    else {
+      if (document.activeElement !== shown || !shown.matches(":active")) shown.value = knob.value;
+      shown.nextElementSibling.textContent = `${knob.value} ${knob.unit}`;
     }
-    if (document.activeElement !== input || !input.matches(":active")) input.value = knob.value;
-    input.disabled = seats.user === null;
-    input.nextElementSibling.textContent = `${knob.value} ${knob.unit}`;
   }
 }
 
-/** The radius at the present knobs, and the map around them. */
-function showTheory({ theory, knobs }) {
+const turn = (knob, value) => connection.say({ knobs: { [knob.key]: value } });
+
+function slider(knob) {
+  const row = document.createElement("label");
+  const input = document.createElement("input");
+  Object.assign(input, {
+    type: "range", id: `knob-${knob.key}`, min: knob.minimum, max: knob.maximum, step: knob.step,
+  });
+  const shown = document.createElement("output");
+  input.addEventListener("input", () => {
+    turn(knob, Number(input.value));
+    shown.textContent = `${input.value} ${knob.unit}`;
+  });
+  row.append(knob.label, input, shown);
+  return input;
+}
+
+/** A switch between a few things. */
+function choice(knob) {
+  const group = document.createElement("fieldset");
+  group.id = `knob-${knob.key}`;
+  const legend = document.createElement("legend");
+  legend.textContent = `${knob.label} (key ${SWITCH_KEY.toUpperCase()})`;
+  group.append(legend, ...knob.choices.map((name, value) => {
+    const row = document.createElement("label");
+    const input = document.createElement("input");
+    Object.assign(input, { type: "radio", name: group.id, value: name });
+    input.addEventListener("change", () => turn(knob, value));
+    row.append(input, name);
+    return row;
+  }));
+  return group;
+}
+
+// A mouse that pinches the box cannot go to the switch.
+addEventListener("keydown", (event) => {
+  const knob = seats?.knobs.find((each) => each.choices.length);
+  const typing = event.target.matches?.("input:not([type=radio]):not([type=range]), select");
+  if (!knob || typing || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key.toLowerCase() === SWITCH_KEY) turn(knob, (knob.value + 1) % knob.choices.length);
+});
+
+/** The radius and slowest modes at the present knobs, and the map around them. */
+function showTheory({ knobs }) {
+  const theory = run?.theory;
   const values = Object.fromEntries(knobs.map((knob) => [knob.key, knob.value]));
-  $("theory").hidden = !theory || theory.axes.length < 2 || $("knobs").hidden;
+  $("theory").hidden = !theory || $("knobs").hidden;
   if ($("theory").hidden) return;
-  const radius = radiusAt(theory, values);
+  const world = theory.worlds[values[theory.switch] ?? 0] ?? theory.worlds[0];
+  const radius = radiusAt(world, values);
+  $("world").textContent = world.name;
   $("radius").textContent = `spectral radius ${radius.toFixed(2)}: ${radius < 1 ? "stable" : "unstable"}`;
   $("radius").dataset.value = radius;
-  drawMap($("map"), theory, values);
+  $("modes").textContent = `Slowest modes: ${modesAt(world, values).map(modeText).join("; ")}.`;
+  $("stiffness").textContent = knobs.find((knob) => knob.key === world.axes[1][0])?.label ?? "stiffness";
+  drawMap($("map"), world, values);
+}
+
+/** A mode in words; ``factor`` is by what it grows in a second. */
+function modeText([factor, hertz]) {
+  const change = Math.log(factor);
+  const time = `${(1 / Math.abs(change)).toPrecision(2)} s`;
+  const pace = hertz < 0.05 ? "without oscillation" : `at ${hertz.toFixed(1)} Hz`;
+  return `${pace}, ${change < 0 ? "decays" : "grows"} by e in ${time}`;
 }
 
 const control = (wish) => connection.say({ control: wish });

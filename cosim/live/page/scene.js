@@ -60,6 +60,21 @@ export class Scene {
     return name === null || name === undefined ? null : this.#values[this.#place.get(name)] ?? null;
   }
 
+  /** Whether a finger or box is of the world whose torques are passed on; of two there is one. */
+  inUse(each) {
+    if (each.share === undefined) return true;
+    const share = this.value(each.share);
+    return share === null ? each.world === 0 : (share >= 0.5) === (each.world === 1);
+  }
+
+  get fingers() {
+    return this.#scene?.fingers.filter((each) => this.inUse(each)) ?? [];
+  }
+
+  get boxes() {
+    return this.#scene?.boxes.filter((each) => this.inUse(each)) ?? [];
+  }
+
   /** World coordinates (m) of a place in the window. */
   world(clientX, clientY) {
     const box = this.#canvas.getBoundingClientRect();
@@ -86,12 +101,13 @@ export class Scene {
     pen.font = "13px system-ui, sans-serif";
     this.#grid(view);
     for (const wall of scene.walls) this.#wall(wall, view);
-    const own = scene.boxes.find((box) => box.station === this.own) ?? scene.boxes[0];
-    for (const box of scene.boxes) if (box !== own) this.#box(box, true);
+    const { boxes, fingers } = this;
+    const own = boxes.find((box) => box.station === this.own) ?? boxes[0];
+    for (const box of boxes) if (box !== own) this.#box(box, true);
     if (own) this.#box(own, false);
-    for (const finger of scene.fingers) if (finger.device) this.#linkage(finger);
-    for (const each of [...scene.fingers, ...scene.boxes]) this.#trail(each);
-    for (const finger of scene.fingers) this.#finger(finger, this.#copyOf(finger));
+    for (const finger of fingers) if (finger.device) this.#linkage(finger);
+    for (const each of [...fingers, ...boxes]) this.#trail(each);
+    for (const finger of fingers) this.#finger(finger, this.#copyOf(finger));
     for (const point of this.hand ?? []) this.#cross(point);
     scene.bodies.forEach((body, index) => this.#body(body, index));
     this.#scales(view);
@@ -296,7 +312,7 @@ export class Scene {
 
   /** The copy of the box that a finger touches: its own component's, or its station's, or any. */
   #copyOf(finger) {
-    const boxes = this.#scene.boxes;
+    const { boxes } = this;
     return boxes.find((box) => box.name === finger.component)
       ?? boxes.find((box) => box.station === finger.station) ?? boxes[0] ?? null;
   }

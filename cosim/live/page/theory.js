@@ -22,6 +22,14 @@ export function radiusAt(theory, values) {
   return corners.reduce((sum, [place, weight]) => sum + weight * theory.radii[place], 0);
 }
 
+/** The slowest modes ``[[factor a second, Hz], ...]`` at the grid's nearest point. */
+export function modesAt(theory, values) {
+  const nearest = (levels, value) => levels.reduce((best, level, index) =>
+    (Math.abs(level - value) < Math.abs(levels[best] - value) ? index : best), 0);
+  const place = theory.axes.reduce((sum, [key, levels]) => sum * levels.length + nearest(levels, values[key]), 0);
+  return theory.modes[place];
+}
+
 /** A map over delay and stiffness at the other knobs: unstable shaded, its boundary, where we are. */
 export function drawMap(canvas, theory, values) {
   const ratio = devicePixelRatio || 1;

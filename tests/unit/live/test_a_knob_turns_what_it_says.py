@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from cosim.cli import cli
 from cosim.live.hands import users_of, with_hands
-from cosim.live.knobs import Panels, knob_of, knobs_of, places, with_panels
+from cosim.live.knobs import Panels, knob_of, knobs_of, others_events, places, with_panels
 from cosim.live.panel import KNOBS, KnobPanel
 from cosim.reading import load
 from cosim.realtime.ring import Ring
@@ -87,17 +87,18 @@ def test_a_wish_that_is_none_turns_nothing(panels, wish):
     assert all(ring.written == 0 for ring in rings.values())
 
 
-def with_knobs(folder: Path, *sets: str):
-    emulated = load("two_users_box", (), sets)
+def with_knobs(folder: Path, *sets: str, name: str = "two_users_box"):
+    emulated = load(name)
     users, knobs = users_of(emulated), knobs_of(emulated)
     files = []
-    for name, content in (
+    for part, content in (
         ("hands", with_hands(emulated, users)),
         ("panels", with_panels(emulated, knobs)),
     ):
-        files.append(folder / f"{name}.yaml")
+        files.append(folder / f"{part}.yaml")
         files[-1].write_text(json.dumps(content), encoding="utf-8")
-    return knobs, load("two_users_box", files, sets)
+    events = f"events={json.dumps(others_events(emulated, knobs))}"
+    return knobs, load(name, files, (*sets, events))
 
 
 def test_knobs_that_nobody_turns_change_nothing(tmp_path):
@@ -119,12 +120,13 @@ class Turned(KnobPanel):
     def read(self, tick: int) -> None:
         delay = (tick // 512) % 4
         for index, (knob, wire) in enumerate(places(self._knobs)[self._station]):
-            turned = delay if knob.key == "lan.round_trip_delay" else knob.start
+            turned = {"lan.round_trip_delay": delay, "control": delay % 2}.get(knob.key, knob.start)
             self._values[index] = wire.value(10.0 if knob.key == "lan.loss" else turned)
 
 
-def test_a_take_with_turned_knobs_runs_again_to_the_same_digest(tmp_path):
-    knobs, scenario = with_knobs(tmp_path, "duration=4 s")
+@pytest.mark.parametrize("name", ["two_users_box", "two_users_box_switched"])
+def test_a_take_with_turned_knobs_runs_again_to_the_same_digest(tmp_path, name):
+    knobs, scenario = with_knobs(tmp_path, "duration=2 s", name=name)
     take, again = tmp_path / "take", tmp_path / "again"
     instances = {f"panel_{station}": Turned(knobs, station) for station in places(knobs)}
     run_scenario(scenario, take, figure=False, instances=instances)
@@ -132,4 +134,6 @@ def test_a_take_with_turned_knobs_runs_again_to_the_same_digest(tmp_path):
     assert done.exit_code == 0, done.output
     with open_run(take) as one, open_run(again) as two:
         assert set(one["lan.forward.delay"][:]) == {0.0, SAMPLE, 2 * SAMPLE}
+        if name == "two_users_box_switched":
+            assert set(one["fade_a.share"][:]) > {0.0, 1.0}
         assert digest(one) == digest(two)

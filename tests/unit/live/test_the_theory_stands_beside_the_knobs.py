@@ -31,4 +31,4 @@ def test_a_point_of_the_grid_is_the_scenario_with_those_values(name, delay):
     loop = read_loop(load(name, (), sets))
     model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
     expected = stability(model, loop.timing).spectral_radius
-    assert points[samples, stiffness, compensation] == pytest.approx(expected, rel=1e-12)
+    assert points[samples, stiffness, compensation] == pytest.approx(expected, rel=1e-5)
