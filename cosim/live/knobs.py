@@ -64,7 +64,8 @@ def knob_of(told: Mapping[str, Any]) -> PageKnob:
     """What ``dataclasses.asdict`` made of a knob, after a way as JSON."""
     given = dict(told)
     wires = tuple(KnobWire(**wire) for wire in given.pop("wires"))
-    return PageKnob(**given | {"choices": tuple(given["choices"])}, wires=wires)
+    choices = tuple(given.pop("choices"))
+    return PageKnob(**given, wires=wires, choices=choices)
 
 
 def knobs_of(scenario: Scenario) -> list[PageKnob]:
