@@ -1,0 +1,115 @@
+"""What the site has beside the pages of docs/: reference pages, made from what they are about.
+
+A hook of MkDocs (mkdocs.yml). Links that lead out of docs/ are text there, but for those to a
+model's page, which the site has.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from posixpath import normpath, relpath
+from typing import Any
+
+ROOT = Path(__file__).parents[3]
+LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
+MODEL = re.compile(r"fmus/(\w+)/README\.md")
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages that are made."""
+    from mkdocs.structure.files import File
+
+    made = {
+        "reference/commands.md": commands(),
+        "reference/python.md": python_api(),
+        "reference/models.md": models(),
+        **{f"reference/models/{name}.md": text for name, text in model_pages().items()},
+    }
+    for place, text in made.items():
+        files.append(File.generated(config, place, content=text))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """Links out of docs/ as text; those to a model's page to the site's own."""
+    del config, files
+    here = page.file.src_uri.rpartition("/")[0]
+
+    def led(link: re.Match[str]) -> str:
+        image, text, target, anchor = link[1], link[2], link[3], link[4] or ""
+        if "://" in target:
+            return link[0]
+        place = normpath(f"docs/{here}/{target}")
+        if place.startswith("docs/"):
+            return link[0]
+        model = MODEL.fullmatch(place)
+        if model is None:
+            return text
+        inside = relpath(f"reference/models/{model[1]}.md", here or ".")
+        return f"{image}[{text}]({inside}{anchor})"
+
+    return LINK.sub(led, markdown)
+
+
+def commands() -> str:
+    """Every command with its help, as ``--help`` prints it."""
+    import click
+
+    from cosim.cli import cli
+
+    parts = ["# Commands\n"]
+
+    def walk(group: click.Group, path: str) -> None:
+        for name in group.list_commands(click.Context(group)):
+            command = group.get_command(click.Context(group), name)
+            assert command is not None
+            full = f"{path} {name}"
+            context = click.Context(command, info_name=full, max_content_width=90)
+            parts.append(f"## {full}\n\n```text\n{command.get_help(context)}\n```\n")
+            if isinstance(command, click.Group):
+                walk(command, full)
+
+    walk(cli, "cohaptic")
+    return "\n".join(parts)
+
+
+def python_api() -> str:
+    """Every public name with its signature and its docstring."""
+    import cohaptic
+
+    parts = ["# `import cohaptic`\n"]
+    for name in cohaptic.__all__:
+        found = getattr(cohaptic, name)
+        parts.append(f"## {name}\n")
+        if callable(found) and not inspect.isclass(found):
+            parts.append(f"```python\n{name}{inspect.signature(found)}\n```\n")
+        elif inspect.isclass(found):
+            members = [
+                f"- `{member}`: {(inspect.getdoc(value) or '').partition(chr(10))[0]}"
+                for member, value in vars(found).items()
+                if not member.startswith("_") and (callable(value) or isinstance(value, property))
+            ]
+            parts.append(f"```text\n{inspect.getdoc(found) or ''}\n```\n")
+            parts.append("\n".join(members) + "\n")
+            continue
+        parts.append(f"```text\n{inspect.getdoc(found) or ''}\n```\n")
+    return "\n".join(parts)
+
+
+def model_pages() -> dict[str, str]:
+    """The page of each bundled FMU, which lies beside its sources."""
+    return {
+        file.parent.name: file.read_text(encoding="utf-8")
+        for file in sorted(ROOT.glob("fmus/*/README.md"))
+    }
+
+
+def models() -> str:
+    """The table of bundled FMUs."""
+    rows = ["# Models", "", "| FMU | what it is |", "|---|---|"]
+    for name, text in model_pages().items():
+        lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+        rows.append(f"| [{name}](models/{name}.md) | {lines[0] if lines else ''} |")
+    return "\n".join(rows) + "\n"
