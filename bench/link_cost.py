@@ -22,11 +22,13 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim.base.component import Causality, Setup, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
+from cosim.link.stream.fate import Fate
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer_link import PeerLink
-from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.link.wire.address import Address
+from cosim.link.wire.sockets import open_socket
+from cosim.link.wire.transport import UdpTransport
 from cosim.station.admission import CompiledAdmission
 from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock

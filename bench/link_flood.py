@@ -26,8 +26,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from cosim.link.wire.address import Address
 from cosim.link.wire.packet import PacketKind
-from cosim.link.wire.transport import Address
 from cosim.testing.proxy import Proxy
 from tests.timed.link.test_two_processes import COMMAND, free_ports
 

@@ -64,7 +64,8 @@ def serve_command(
 ) -> None:
     """Relay the packets of 'netchar probe' back, until Ctrl-C."""
     from cosim.link.netchar.relay import Caps, Relay, serve
-    from cosim.link.wire.transport import Address, open_socket, refuse_open_network
+    from cosim.link.wire.address import Address, refuse_open_network
+    from cosim.link.wire.sockets import open_socket
 
     address = Address.parse(listen, "--listen")
     refuse_open_network([address], has_key=key is not None)
@@ -146,7 +147,8 @@ def probe_command(
     """Send time-tagged packets to 'netchar serve' at SERVER (host:port) and say what came back."""
     from cosim.link.netchar.probe import Probe, check_measurement
     from cosim.link.netchar.statistics import characterise
-    from cosim.link.wire.transport import Address, open_socket, refuse_open_network
+    from cosim.link.wire.address import Address, refuse_open_network
+    from cosim.link.wire.sockets import open_socket
 
     check_measurement(rate, duration, size)
     address = Address.parse(server, "SERVER")

@@ -23,7 +23,7 @@ from cosim.cli.support.values import OutputFolder, seconds
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
-    from cosim.link.wire.transport import Address
+    from cosim.link.wire.address import Address
 
 
 @click.command("station", cls=JsonCommand)
@@ -96,7 +96,7 @@ def command(
     from cosim.base.system.grants import clock_nanosleep
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import device_session, say
-    from cosim.link.wire.transport import Address
+    from cosim.link.wire.address import Address
     from cosim.reading import load
     from cosim.realtime.paced_run import PacedRun
     from cosim.station.run import Arrangement, run_station
@@ -147,7 +147,7 @@ def command(
 
 
 def _peers(given: tuple[str, ...]) -> dict[str, Address]:
-    from cosim.link.wire.transport import Address
+    from cosim.link.wire.address import Address
 
     return {
         name: Address.parse(address, "--peer")

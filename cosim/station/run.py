@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import lcm
 from pathlib import Path
@@ -15,12 +15,12 @@ from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.keys import read_key_file
 from cosim.link.session.start import EXCHANGES
 from cosim.link.stream.form import LONGEST_DELAY
-from cosim.link.stream.peer import Reason
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.phase import PhaseFollower
-from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.wire.transport import Address, UdpTransport, open_sockets, refuse_open_network
+from cosim.link.wire.address import Address, refuse_open_network
+from cosim.link.wire.sockets import open_sockets
+from cosim.link.wire.transport import UdpTransport
 from cosim.master.run.simulation import Progress, Simulation
 from cosim.preparation.prepare import Judge, prepare
 from cosim.realtime.pacing import DeadlinePacer, Policy, sleep_until
@@ -31,6 +31,7 @@ from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
 from cosim.station.admission import CompiledAdmission
 from cosim.station.contract import contract_of
+from cosim.station.facts import link_facts
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
 from cosim.station.split import Half, Peer, split
@@ -162,7 +163,7 @@ def run_station(
 
         def facts() -> dict[str, Any]:
             process.leave()
-            return _facts(own, grid, half.peers, remotes, process)
+            return link_facts(own, grid, half.peers, remotes, process)
 
         execute.facts = facts
         chooses = any(setting.delay == "auto" for peer in half.peers for setting in peer.settings)
@@ -298,61 +299,3 @@ def _remote(
         leads=not follows,
         follower=PhaseFollower() if follows and not free else None,
     )
-
-
-def _facts(
-    own: str,
-    grid: Grid,
-    peers: Sequence[Peer],
-    remotes: Sequence[RemoteStation],
-    process: HandshakeProcess,
-) -> dict[str, Any]:
-    """What goes into the manifest; never a key."""
-    found: dict[str, Any] = {
-        "station": own,
-        "first_tick": grid.first_tick,
-        "epoch": grid.epoch,
-        "sessions": process.sessions,
-        "handshake_process": {
-            "dropped": process.dropped,
-            "absurd": process.absurd,
-            **process.facts,
-        },
-        "peers": {},
-    }
-    for peer, remote in zip(peers, remotes, strict=True):
-        link, clock = remote.link, remote.link.clock
-        transport = link.transport
-        found["peers"][peer.name] = {
-            "component": peer.component,
-            "sent": link.outgoing.sent,
-            "refused": getattr(transport, "refused", 0),
-            "unsent": getattr(transport, "unsent", 0),
-            "foreign": link.foreign,
-            "flood": link.intake.flood,
-            "faulty": link.faulty,
-            "before_start": link.before_start,
-            "absurd_exchanges": clock.refused,
-            "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
-            "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
-            "clock_skew": clock.skew if clock.ready else None,
-            "round_trip": clock.round_trip if clock.ready else None,
-            "streams": {
-                item.receiver.bundle.channel: {
-                    **{fate.name.lower(): int(item.receiver.counts[fate]) for fate in Fate},
-                    "overdue": item.receiver.overdue,
-                    "overdue_by_network": item.overdue_by_network,
-                    "losses": item.weight.losses,
-                    "lost_because": {
-                        reason.name.lower(): count
-                        for reason, count in zip(Reason, item.weight.causes, strict=True)
-                        if count
-                    },
-                    "last_reason": item.weight.reason.name.lower(),
-                    "delay": item.receiver.settings.delay,
-                    "late_after": item.receiver.settings.late_after,
-                }
-                for item in link.incoming
-            },
-        }
-    return found

@@ -14,7 +14,9 @@ import threading
 import time
 from typing import Protocol
 
-from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.link.wire.address import Address
+from cosim.link.wire.sockets import open_socket
+from cosim.link.wire.transport import UdpTransport
 
 
 class Mangler(Protocol):

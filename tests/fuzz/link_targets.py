@@ -18,7 +18,8 @@ from cosim.link.session.greeting import GREETING_SIZE
 from cosim.link.session.keys import PreSharedKey, read_key_file
 from cosim.link.session.negotiator import SessionNegotiator, side_of
 from cosim.link.session.start import KEEP_INTERVAL, Side, StartAgreement
-from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings
+from cosim.link.stream.fate import Fate
+from cosim.link.stream.receiver import Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
 from tests.fuzz.script import Script, spoil
 from tests.support.link.support import KEY, TICK, both_ends, make_pair, small_bundle

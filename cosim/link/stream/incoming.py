@@ -8,7 +8,8 @@ from cosim.link.stream.admission import PacketJudge
 from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import PeerState, PeerWeight
-from cosim.link.stream.receiver import WAITING_SLOTS, Receiver, ReceiverSettings, Release
+from cosim.link.stream.receiver import Receiver, ReceiverSettings, Release
+from cosim.link.stream.waiting import WAITING_SLOTS
 
 LARGEST_AGE = 2**31 - 1
 """Ages and ticks are shown no larger: models take them as 32-bit integers."""

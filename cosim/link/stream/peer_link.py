@@ -14,13 +14,14 @@ from fractions import Fraction
 from cosim.link.session.keys import SessionKeys
 from cosim.link.stream.admission import Admission, PacketJudge
 from cosim.link.stream.bundle import PacketBundle
+from cosim.link.stream.fate import Fate
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.incoming import Incoming
 from cosim.link.stream.intake import Intake
 from cosim.link.stream.outgoing import Outgoing
 from cosim.link.stream.path import RoundTrips
 from cosim.link.stream.peer import PeerState, Reason
-from cosim.link.stream.receiver import Fate, Receiver
+from cosim.link.stream.receiver import Receiver
 from cosim.link.wire.clock import ClockEstimate
 from cosim.link.wire.packet import HEADER, Opener, PacketFlag, PacketKind
 from cosim.link.wire.transport import Transport

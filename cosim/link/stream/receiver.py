@@ -7,15 +7,16 @@ the value makes sense.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
-from enum import IntEnum, StrEnum
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.link.stream.admission import Admission, PacketJudge, Plausibility
 from cosim.link.stream.bundle import Floats, PacketBundle
+from cosim.link.stream.fate import Fate
+from cosim.link.stream.waiting import WaitingPackets
 from cosim.link.wire.packet import (
     HEADER,
     LARGEST_TIME,
@@ -28,41 +29,10 @@ from cosim.link.wire.packet import (
 )
 from cosim.link.wire.window import WINDOW, ReplayWindow
 
-WAITING_SLOTS = 16
 SESSIONS = 3
 """Sessions that a stream is read under at most: the present, the one before, and a candidate."""
 LARGEST_TICK = 1 << 53
 """A session tick beyond it (a quarter of a million years) is no tick."""
-_NEVER = sys.maxsize
-
-
-class Fate(IntEnum):
-    """What became of a datagram; only the first is used, all are counted."""
-
-    ACCEPTED = 0
-    LATE = 1
-    """Authentic, but older than the link allows: a packet that was kept back on the way."""
-    REORDERED = 2
-    """Overtaken by a newer packet whose values are already held."""
-    DUPLICATE = 3
-    """A second copy of a packet of the last 128 sequences."""
-    REPLAYED = 4
-    """Authentic, but older than the window: a copy cannot be told from an original."""
-    FORGED = 5
-    TRUNCATED = 6
-    """Not as long as a packet of its kind and stream."""
-    FOREIGN = 7
-    """Another protocol, version or session (another key, or an earlier session's packet)."""
-    OUT_OF_RANGE = 8
-    """A value not finite, or outside its variable's range."""
-    JUMP = 9
-    """A value that changed faster than its variable can."""
-    FLOOD = 10
-    """Not looked at: more datagrams than a tick may read."""
-    SUPERSEDED = 11
-    """Accepted (and counted as that, too), but a newer one came before its sample did."""
-    ABSURD = 12
-    """Authentic, with a sequence, tick or time that cannot be."""
 
 
 class Release(StrEnum):
@@ -102,7 +72,7 @@ class _Inbound:
 class Receiver:
     """Receives one stream. ``values``, ``tick`` and ``sequence`` are those now held.
 
-    Nothing grows with the number of packets: slots, scratch and counters are allocated here.
+    Nothing grows with the number of packets: scratch and counters are allocated here.
     """
 
     def __init__(
@@ -145,18 +115,9 @@ class Receiver:
         self._reference_tick: int | None = None
         self._reference_order = (0, -1)
         self._stopped_in = 0
-        self._slots: list[Floats] = list(np.zeros((WAITING_SLOTS, size)))
         # Copied as bytes: with cold caches a call of NumPy costs several microseconds.
         self._held_bytes = self.values.data.cast("B")
-        self._slot_bytes = [slot.data.cast("B") for slot in self._slots]
-        self._slot_order = [(0, 0)] * WAITING_SLOTS
-        self._slot_tick = [0] * WAITING_SLOTS
-        self._slot_due = [0] * WAITING_SLOTS
-        self._free = list(range(WAITING_SLOTS))
-        self._waiting: list[int] = []
-        """Slots in use, mostly one or none."""
-        self._next_due = _NEVER
-        """Session tick at which the first waiting packet is due."""
+        self._waiting = WaitingPackets(size)
         self._inbound: dict[int, _Inbound] = {}
         self._offered = 0
         self._newest_order = 0
@@ -225,34 +186,15 @@ class Receiver:
 
     def release(self, now: int) -> bool:
         """At session tick ``now``, show the freshest values that are due; whether there are any."""
-        if now < self._next_due or self.held:
+        waiting = self._waiting
+        if now < waiting.next_due or self.held:
             return False
-        orders = self._slot_order
-        # Mostly one packet waits.
-        alone = len(self._waiting) == 1
-        due = [slot for slot in self._waiting if self._slot_due[slot] <= now]
-        best = due[0] if alone else max(due, key=orders.__getitem__)
-        self._held_order = orders[best]
+        self._held_order, self.tick, superseded = waiting.take(now, self._held_bytes)
         self.sequence = self._held_order[1]
-        self.tick = self._slot_tick[best]
         self.released_at = now
         self.delay = now - self.tick
-        self._held_bytes[:] = self._slot_bytes[best]
-        if alone:
-            self._waiting.clear()
-            self._free.append(best)
-            self._next_due = _NEVER
-            return True
-        done = [slot for slot in self._waiting if orders[slot] <= self._held_order]
-        self.tally[Fate.SUPERSEDED] += len(done) - 1
-        self._set_free(done)
+        self.tally[Fate.SUPERSEDED] += superseded
         return True
-
-    def _set_free(self, slots: list[int]) -> None:
-        for slot in slots:
-            self._waiting.remove(slot)
-            self._free.append(slot)
-        self._next_due = min([self._slot_due[slot] for slot in self._waiting], default=_NEVER)
 
     def _judge(self, datagram: memoryview, now: int) -> Fate:
         if len(datagram) < HEADER.size:
@@ -305,13 +247,10 @@ class Receiver:
         last = self._reference_tick
         # At least one sample: two packets of one tick still differ by what a tick allows.
         ticks = 0 if last is None else max(abs(sampled - last), self.bundle.period)
-        if not self._free:
-            # The oldest packet gives way.
-            self._set_free([min(self._waiting, key=self._slot_order.__getitem__)])
-            self.tally[Fate.SUPERSEDED] += 1
-        slot = self._free[-1]
+        waiting = self._waiting
+        self.tally[Fate.SUPERSEDED] += waiting.make_room()
         newest = last is None or order > self._reference_order
-        verdict = self._admission.judge(values, ticks, self._slots[slot], newest=newest)
+        verdict = self._admission.judge(values, ticks, waiting.spare, newest=newest)
         if verdict is Plausibility.OUT_OF_RANGE:
             return Fate.OUT_OF_RANGE
         if verdict is Plausibility.JUMP:
@@ -323,8 +262,6 @@ class Receiver:
         elif order[0] > self._stopped_in:
             # A session of after the stop: the peer is there again.
             self.stopping = False
-        self._free.pop()
-        self._waiting.append(slot)
         due = now
         if self.settings.release is Release.NETWORK_TICK:
             period = self.bundle.period
@@ -334,8 +271,5 @@ class Receiver:
                 self.overdue += 1
             else:
                 due = wanted
-        self._slot_order[slot] = order
-        self._slot_tick[slot] = tick
-        self._slot_due[slot] = due
-        self._next_due = min(self._next_due, due)
+        waiting.keep(order, tick, due)
         return Fate.ACCEPTED

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import time
 
+from cosim.link.wire.address import Address
 from cosim.link.wire.packet import LARGEST_DATAGRAM
-from cosim.link.wire.transport import Address, UdpTransport, open_socket
+from cosim.link.wire.sockets import open_socket
+from cosim.link.wire.transport import UdpTransport
 from cosim.testing.proxy import Mangler, Proxy
 from tests.support.link.simulated import SkewedClock
 from tests.support.link.world import SimulatedStation, share_session

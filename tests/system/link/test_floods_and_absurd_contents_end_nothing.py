@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from cosim.link.stream.receiver import Fate
+from cosim.link.stream.fate import Fate
 from cosim.link.wire.packet import HEADER, PacketKind
 from tests.support.link.bounds import check_records
 from tests.support.link.key_holder import KeyHolder

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from cosim.link.wire.address import Address
 from cosim.link.wire.kernel_filter import attach, dropped, session_filter
 from cosim.link.wire.packet import HEADER, LARGEST_DATAGRAM, MAGIC, VERSION, PacketKind
-from cosim.link.wire.transport import Address, open_socket
+from cosim.link.wire.sockets import open_socket
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a classic BPF filter is Linux's")
 

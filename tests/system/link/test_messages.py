@@ -22,8 +22,9 @@ from cosim.link.session.contract import Contract
 from cosim.link.session.keys import KEY_SIZE, NO_KEY, PreSharedKey, create_key_file
 from cosim.link.session.messages import LARGEST_MESSAGE, NOTE, refusal
 from cosim.link.session.process import HandshakeServer
+from cosim.link.wire.address import Address
 from cosim.link.wire.packet import HEADER, MAGIC, VERSION, PacketKind
-from cosim.link.wire.transport import Address, open_socket, open_sockets
+from cosim.link.wire.sockets import open_socket, open_sockets
 
 LOCAL = Address("127.0.0.1", 0)
 STATION = ["two_users_box", "--as", "station_a", "--wait", "1", "--no-figure"]

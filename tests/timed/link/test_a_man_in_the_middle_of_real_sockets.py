@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from cosim.link.wire.transport import Address
+from cosim.link.wire.address import Address
 from cosim.testing.proxy import Proxy
 from tests.support.link.attacker import CALM, Attacker
 from tests.support.link.processes import NAMES, Listener, check_bounds, free_ports, link_of, station

@@ -16,7 +16,7 @@ import pytest
 from cosim.link.session.keys import create_key_file
 from cosim.link.session.negotiator import SessionNegotiator
 from cosim.link.stream.bundle import FieldRole, PacketBundle
-from cosim.link.stream.receiver import Fate
+from cosim.link.stream.fate import Fate
 from cosim.link.wire.packet import PacketKind
 from cosim.preparation.prepare import prepare
 from cosim.scenario import load

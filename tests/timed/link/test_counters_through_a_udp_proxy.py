@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from cosim.link.stream.receiver import Fate
+from cosim.link.stream.fate import Fate
 from cosim.link.wire.packet import DataWriter, Sealer
 from cosim.link.wire.window import WINDOW
 from cosim.testing.impairment import BadNetwork, Impairer

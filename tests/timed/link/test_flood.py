@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from cosim.link.stream.receiver import Fate
+from cosim.link.stream.fate import Fate
 from cosim.link.wire.packet import HEADER, DataWriter, PacketKind, Sealer
 from tests.support.link.lockstep import UdpWorld
 from tests.support.link.support import OTHER_KEY, both_ends

@@ -37,8 +37,9 @@ from cosim.link.netchar.search import search_rate
 from cosim.link.netchar.statistics import Characteristics, characterise
 from cosim.link.session.asker import RETRY, Asker
 from cosim.link.session.greeting import GREETING_SIZE
+from cosim.link.wire.address import Address
 from cosim.link.wire.packet import Opener, PacketKind, Sealer
-from cosim.link.wire.transport import Address, open_socket
+from cosim.link.wire.sockets import open_socket
 from cosim.testing.impairment import BadNetwork, Impairer, Injected
 from cosim.testing.proxy import Proxy
 from tests.support.link.measured import measured, peak

@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cosim.link.stream.fate import Fate
 from cosim.link.stream.peer_link import PeerLink
-from cosim.link.stream.receiver import Fate
 from cosim.link.stream.remote import Grid, RemoteStation
+from cosim.link.wire.address import Address
 from cosim.link.wire.packet import PacketFlag
-from cosim.link.wire.transport import Address, open_socket
+from cosim.link.wire.sockets import open_socket
 from cosim.master.assembly.assemble import put_together
 from cosim.realtime.paced_loop import paced
 from cosim.record import open_run

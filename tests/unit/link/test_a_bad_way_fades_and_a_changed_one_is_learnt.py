@@ -6,9 +6,9 @@ import itertools
 
 import pytest
 
+from cosim.link.stream.fate import Fate
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import PeerState, Reason
-from cosim.link.stream.receiver import Fate
 from cosim.testing.impairment import BadNetwork
 from tests.support.link.simulated import Network, SkewedClock
 from tests.support.link.world import ACTIVE_STATUS, SimulatedStation, run, share_session

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
-from cosim.link.stream.receiver import Fate, Receiver, ReceiverSettings, Release
+from cosim.link.stream.fate import Fate
+from cosim.link.stream.receiver import Receiver, ReceiverSettings, Release
 from cosim.link.wire.packet import HEADER, DataWriter, Opener, Sealer
 from cosim.link.wire.window import WINDOW
 from tests.support.link.support import (

@@ -11,7 +11,7 @@ from cosim.link.session.contract import Contract
 from cosim.link.stream.form import read_link
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.link.wire.transport import Address
+from cosim.link.wire.address import Address
 from cosim.master.assembly.assemble import put_together
 from cosim.record import open_run
 from cosim.run import run_scenario
