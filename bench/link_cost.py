@@ -71,7 +71,7 @@ def ends() -> tuple[RemoteStation, RemoteStation]:
         link.offer(keys, same=False)
         link.use(keys.session)
         grid = Grid(tick_ns=float(TICK * 10**9))
-        remote = RemoteStation(link, grid=grid, now=time.monotonic_ns, leads=own == "a")
+        remote = RemoteStation(link, grid=grid, now=time.monotonic_ns)
         cells = {
             v.name: np.zeros(1, np.float64 if v.type is VariableType.FLOAT64 else np.int64)
             for v in remote.variables

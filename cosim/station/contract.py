@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from cosim.base.meaning import OF_OWN_DEVICE
-from cosim.link.stream.form import LinkForm
 from cosim.master.assembly.assemble import Assembly
-from cosim.station.split import Half, Peer
+from cosim.station.half import Half, Peer
 
 
 def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
@@ -30,14 +29,28 @@ def contract_of(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
             f"{bundle.source} to {bundle.target} ({bundle.channel})": bundle.describe()
             for bundle in (*peer.sends, *peer.receives)
         },
-        "clock": _clock(peer.settings),
+        "clock": peer.clock,
+        **_transforms(assembly, half, peer),
         "components": {name: _component(assembly, name) for name in sorted(ends)},
         "stations": sorted((half.own, peer.name)),
     }
 
 
-def _clock(settings: list[LinkForm]) -> str:
-    return settings[0].clock if settings else "follow"
+def _transforms(assembly: Assembly, half: Half, peer: Peer) -> dict[str, Any]:
+    """What connections between the two stations make of values, where they do anything."""
+    scenario = assembly.scenario
+    ends = {half.own, peer.name}
+    found = {
+        str(each): {
+            "factor": each.factor,
+            "offset": each.offset,
+            "unit": "ignored" if each.ignores_unit else "converted",
+        }
+        for each in scenario.connections
+        if each.via is not None and set(scenario.channels[each.via].between) == ends
+        if each.ignores_unit or (each.factor, each.offset) != (1.0, 0.0)
+    }
+    return {"connections": found} if found else {}
 
 
 def _component(assembly: Assembly, name: str) -> dict[str, Any]:

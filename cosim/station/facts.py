@@ -10,7 +10,7 @@ from cosim.link.session.client import HandshakeProcess
 from cosim.link.stream.fate import Fate
 from cosim.link.stream.peer import Reason
 from cosim.link.stream.remote import Grid, RemoteStation
-from cosim.station.split import Peer
+from cosim.station.half import Peer
 
 
 def link_facts(
@@ -49,6 +49,7 @@ def link_facts(
             "dropped_by_kernel": getattr(transport, "dropped_by_kernel", 0),
             "clock_offset": clock.offset(time.monotonic_ns()) if clock.ready else None,
             "clock_skew": clock.skew if clock.ready else None,
+            "slew_limited": 0 if remote.follower is None else remote.follower.saturated,
             "round_trip": clock.round_trip if clock.ready else None,
             "streams": {
                 item.receiver.bundle.channel: {

@@ -11,7 +11,8 @@ from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.master.assembly.assemble import Assembly
 from cosim.preparation.prepare import prepare
-from cosim.station.split import Half, split
+from cosim.station.half import Half
+from cosim.station.split import split
 
 
 def refuse_unusable_halves(assembly: Assembly) -> None:
@@ -56,7 +57,6 @@ def _stand_ins(half: Half) -> Mapping[str, Component]:
             ),
             grid=grid,
             now=_no_time,
-            leads=True,
         )
         for peer in half.peers
     }

@@ -32,9 +32,10 @@ from cosim.scenario.resolved import to_yaml
 from cosim.station.admission import CompiledAdmission
 from cosim.station.contract import contract_of
 from cosim.station.facts import link_facts
+from cosim.station.half import Half, Peer
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
-from cosim.station.split import Half, Peer, split
+from cosim.station.split import split
 
 EXCHANGES_TO_CHOOSE = 100
 """Clock exchanges before the start where a delay is chosen from their percentiles: two seconds."""
@@ -222,6 +223,9 @@ def _bound_delays(
         )
     elif found.bounded:
         say(f"the theory allows {samples} samples of delay each way: longer ways do not count")
+    longest = max(s.least_delay for p in open_ones for s in p.settings if s.max_delay is None)
+    if (found.bounded or found.samples == 0) and longest > samples:
+        say(f"delay: {longest} is longer than that, so the theory calls this loop unstable")
     for peer in open_ones:
         peer.settings = [
             setting.model_copy(update={"max_delay": max(samples, setting.least_delay)})
@@ -291,11 +295,9 @@ def _remote(
         hear=process.hear,
         judge=CompiledAdmission,
     )
-    free = any(setting.clock == "free" for setting in peer.settings)
     return RemoteStation(
         link,
         grid=grid,
         now=time.monotonic_ns,
-        leads=not follows,
-        follower=PhaseFollower() if follows and not free else None,
+        follower=PhaseFollower() if follows and peer.clock == "follow" else None,
     )

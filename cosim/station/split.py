@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 
 from cosim.base.component import Causality
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
+from cosim.base.quantities.units import conversion
 from cosim.base.suggest import did_you_mean
 from cosim.link.stream.bundle import Field, PacketBundle
-from cosim.link.stream.form import LinkForm, read_link
+from cosim.link.stream.form import read_link
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Bundle as WiredBundle
@@ -28,8 +29,8 @@ from cosim.scenario import (
     Reference,
     ScenarioComponent,
 )
-from cosim.scenario import Scenario as FullScenario
 from cosim.scenario.model import Value
+from cosim.station.half import Half, Peer
 
 PEER_FACTS = {
     Meaning.PEER_WEIGHT: "weight",
@@ -40,30 +41,6 @@ PEER_FACTS = {
 
 FIRST = 1
 """The peer that a variable is of where it does not say."""
-
-
-@dataclass(slots=True)
-class Peer:
-    """What goes to and comes from one other station; lists are in the order of the streams."""
-
-    name: str
-    component: str
-    """Name of the remote-station component that stands for it."""
-    sends: list[PacketBundle] = field(default_factory=list[PacketBundle])
-    receives: list[PacketBundle] = field(default_factory=list[PacketBundle])
-    settings: list[LinkForm] = field(default_factory=list[LinkForm])
-    """One for each incoming stream."""
-
-
-@dataclass(frozen=True, slots=True)
-class Half:
-    """One station's part: a scenario in which every other station is one component."""
-
-    own: str
-    scenario: FullScenario
-    peers: tuple[Peer, ...]
-    dropped: tuple[str, ...]
-    """Connections and records that only make sense where all stations run together."""
 
 
 def split(assembly: Assembly, own: str) -> Half:
@@ -90,6 +67,8 @@ class _Splitter:
         self.helpers: dict[str, ScenarioComponent] = {}
         """Components that only this half has, beside the remote stations."""
         self.dropped: list[str] = []
+        self._written = {str(each): each for each in self.scenario.connections}
+        """Every connection, as it was written."""
 
     def split(self) -> Half:
         self._drop_turned_channels()
@@ -131,13 +110,12 @@ class _Splitter:
             if part.station == self.own
         }
         for peer in self.peers.values():
-            adds = any(setting.add_impairments for setting in peer.settings)
             own[peer.component] = ScenarioComponent(
                 name=peer.component,
                 kind=Kind.PYTHON,
                 source="cosim.link.stream.remote:RemoteStation",
                 # With the simulated impairments on top, the channel still lies in between.
-                station=peer.name if adds else self.own,
+                station=peer.name if peer.adds else self.own,
                 rate_name=None,
                 rate=self.scenario.base_rate,
                 period=1,
@@ -189,16 +167,22 @@ class _Splitter:
         )
         list_.append(linked)
         settings = read_link({**self.scenario.link, **channel.options}, f"channel {channel.name}")
+        peer.agree(channel.name, settings)
         via = channel.name if settings.add_impairments else None
         if via is not None:
             self._keep_impairments(channel)
         if source == self.own:
             for signal in dict.fromkeys(e.source for e in bundle.entries):
                 assert isinstance(signal, Signal)
-                self._connect(
-                    _reference(signal.component, self._path(signal)),
-                    _reference(peer.component, self._element(signal)),
-                    via,
+                self.connections.append(
+                    self._sampled(
+                        Connection(
+                            source=_reference(signal.component, self._path(signal)),
+                            target=_reference(peer.component, self._element(signal)),
+                            via=via,
+                        ),
+                        bundle,
+                    )
                 )
             return
         peer.settings.append(settings)
@@ -211,12 +195,50 @@ class _Splitter:
             assert isinstance(wire.source, Held)
             origin = bundle.entries[wire.source.index].source
             assert isinstance(origin, Signal)
-            self._connect(
-                _reference(peer.component, self._element(origin)),
-                _reference(wire.target.component, self._path(wire.target)),
-                via,
-            )
+            self._receive(peer, origin, wire.target, via)
         self._drive_peer_inputs(number, linked, peer, wires, via)
+
+    def _receive(self, peer: Peer, origin: Signal, target: Signal, via: str | None) -> None:
+        """Connect a value that comes from a peer as the scenario connects it."""
+        written = self._written[self.assembly.wiring.connection_of[target]]
+        if via is None and written.initial == "start":
+            self._drop(
+                f"'initial: start' of {written}, for a peer sends its values before the start"
+            )
+        # What samples and delays is at the other end of the link, or the link itself.
+        like = written if via else replace(written, rate=None, period=None, initial="source")
+        self.connections.append(
+            replace(
+                like,
+                source=_reference(peer.component, self._element(origin)),
+                target=_reference(target.component, self._path(target)),
+                via=via,
+                ignores_unit=written.ignores_unit and self._are_units_apart(origin, target),
+            )
+        )
+
+    def _are_units_apart(self, origin: Signal, target: Signal) -> bool:
+        """Whether there is something to ignore between two elements of a connection."""
+        here, there = (
+            self.assembly.participants[end.component].interface for end in (origin, target)
+        )
+        relative = [
+            interface.variables[end.variable].is_relative
+            for interface, end in ((here, origin), (there, target))
+        ]
+        units = here.unit(origin.variable), there.unit(target.variable)
+        return conversion(*units) != (1.0, 0.0) or relative[0] is not relative[1]
+
+    def _sampled(self, connection: Connection, bundle: WiredBundle) -> Connection:
+        """Through a channel, at the rate of a bundle; the link has its own."""
+        if connection.via is None:
+            return connection
+        rate = self.scenario.base_rate / bundle.period
+        return replace(connection, rate=rate, period=bundle.period)
+
+    def _drop(self, sentence: str) -> None:
+        if sentence not in self.dropped:
+            self.dropped.append(sentence)
 
     def _drive_peer_inputs(
         self,

@@ -74,7 +74,7 @@ def data_values(data: bytes) -> None:
             echo_received=echo_received,
             epoch=epoch,
             acknowledged=(7, acknowledged),
-            flags=flags & 0xFFFFFFFF,
+            flags=flags & 0xFFFFFFFF if script.number(2) else flags & 3,
         )
         receiver.accept(memoryview(bytes(writer.datagram)), now)
         now += script.number(20)

@@ -150,7 +150,7 @@ class Answerer:
         )
         try:
             payload = Payload.unpack(noise.read(hello.noise))
-            if payload is None:
+            if payload is None or payload.busy:
                 self.drops.foreign += 1
                 return None
             fits = self._contracts.fits(payload)

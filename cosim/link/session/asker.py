@@ -46,8 +46,6 @@ class Asker:
         self.drops = Drops()
         self.busy = False
         """The other side has said that it serves somebody else."""
-        self.answerer_seen = False
-        """Whether an authentic word of the other side has come."""
         self._greeter = Greeter(own=own, peer=peer, key=key)
         self._psk = key.derive("noise", context=prologue(own, peer))
         self._prologue = prologue(own, peer)
@@ -65,11 +63,6 @@ class Asker:
     def refusal(self) -> Refusal | None:
         """How the peer's contract differs, once that is known."""
         return self._contracts.refusal
-
-    @property
-    def asking(self) -> bool:
-        """Whether another session is wanted."""
-        return self._noise is not None or self.candidate is not None
 
     def poll(self, now: int) -> list[bytes]:
         """What to send at ``now`` without being asked."""
@@ -101,7 +94,6 @@ class Asker:
             self.drops.foreign += 1
             self.drops.same_name += self._greeter.is_own(datagram)
             return NOTHING
-        self.answerer_seen = True
         if greeting.kind is PacketKind.PRESENT:
             return NOTHING
         noise = self._noise
@@ -145,13 +137,14 @@ class Asker:
             payload = Payload.unpack(noise.read(greeting.noise))
         except NoiseError:
             payload = None
-        if payload is None:
+        refuses = greeting.kind is PacketKind.REFUSE
+        if payload is None or (payload.busy and not refuses):
             # Authentic, and yet it does not answer: the handshake's state is spent.
             self.drops.stray += 1
             self._ask()
             return NOTHING
         fits = self._contracts.fits(payload)
-        if not fits or greeting.kind is PacketKind.REFUSE:
+        if not fits or refuses:
             self.busy = payload.busy
             self._ask()
             self._asked_at = now

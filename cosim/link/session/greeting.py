@@ -63,7 +63,9 @@ class Payload:
         contract, instance, piece, pieces, length, reason = _PAYLOAD.unpack_from(content)
         if piece >= pieces or length > PIECE_SIZE or reason > 1:
             return None
-        data = content[_PAYLOAD.size : _PAYLOAD.size + length]
+        data, rest = content[_PAYLOAD.size :][:length], content[_PAYLOAD.size + length :]
+        if any(rest):
+            return None
         return cls(contract, instance, piece, pieces, data, busy=reason == 1)
 
 
@@ -107,7 +109,7 @@ class Greeter:
             return None
         kind, question = PacketKind(datagram[3]), HEADER.unpack_from(datagram)[5]
         if kind is PacketKind.PRESENT:
-            return Greeting(kind, question)
+            return None if question else Greeting(kind, question)
         body = datagram[:-MAC_SIZE]
         return Greeting(
             kind,

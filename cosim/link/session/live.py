@@ -35,6 +35,9 @@ class SessionState(IntFlag):
     RUNNING = 4
 
 
+_EVERY_STATE = SessionState.READY | SessionState.GRID | SessionState.RUNNING
+
+
 @dataclass(frozen=True, slots=True)
 class Keep:
     """An authentic KEEP, seen for the first time; times in ns."""
@@ -87,15 +90,15 @@ class LiveSession:
             return None
         if not self._window.is_first(sequence):
             return None
-        *times, state, _ = _BODY.unpack(plain)
+        *times, state, zero = _BODY.unpack(plain)
         sent, echo_sent, echo_received, epoch = times
-        if any(abs(time) > LARGEST_TIME for time in times):
+        if zero or state > _EVERY_STATE or any(abs(time) > LARGEST_TIME for time in times):
             return None
         self._echo = (sent, received)
         self.heard = now
         if self.acknowledged < echo_sent <= now:
             self.acknowledged = echo_sent
-        self.peer_state = SessionState(state & 7)
+        self.peer_state = SessionState(state)
         return Keep(sent, echo_sent, echo_received, epoch, self.peer_state, received)
 
     def is_due(self, now: int, interval: int) -> bool:

@@ -25,7 +25,7 @@ class Drops:
     foreign: int = 0
     """Not authentic: noise, another key, another version."""
     stray: int = 0
-    """Authentic, but of no question or session of now: copies, delayed ones."""
+    """Authentic, but of no question or session of now (copies, delayed ones), or senseless."""
     too_many: int = 0
     """Greetings beyond what may cost key agreements."""
     same_name: int = 0

@@ -106,7 +106,7 @@ class HandshakeServer:
         if len(datagram) < HEADER.size:
             self.short += 1
             return
-        if datagram[3] < PacketKind.HELLO:
+        if datagram[3] == PacketKind.DATA:
             # Values of a peer that is ahead of this side; it repeats them.
             self.early_values += 1
             return
@@ -124,8 +124,11 @@ class HandshakeServer:
 
     def facts(self) -> dict[str, Any]:
         """What the manifest tells of all that came and changed nothing; never a key."""
+        found = self.negotiator.facts()
+        for peer, link in zip(self.peers, self.links, strict=True):
+            found[peer] |= {"refused": link.refused, "unsent": link.unsent}
         return {
-            **self.negotiator.facts(),
+            **found,
             "short": self.short,
             "early_values": self.early_values,
             "other_versions": self.other_versions,

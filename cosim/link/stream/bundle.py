@@ -86,6 +86,8 @@ class Field:
     maximum: float = math.inf
     speed: float = math.inf
     role: FieldRole = FieldRole.VALUE
+    is_relative: bool = False
+    """A difference, to which the offset of its unit does not apply."""
 
     @classmethod
     def of(
@@ -113,6 +115,7 @@ class Field:
             maximum=highest if variable.maximum is None else variable.maximum,
             speed=default_speed if speed is None else speed,
             role=role,
+            is_relative=variable.is_relative,
         )
 
     def describe(self) -> dict[str, Any]:

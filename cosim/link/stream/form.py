@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from cosim.base.document.form import Form, QuantityIn, plain_node, read_form
+from cosim.base.document.form import Form, QuantityIn, plain_node, problem, read_form
 from cosim.base.errors import Location
 
 LONGEST_DELAY = 16
@@ -85,6 +85,20 @@ class LinkForm(LossPolicy):
         "real link's.",
     )
 
+    @model_validator(mode="after")
+    def _delays_agree(self) -> LinkForm:
+        if self.release == "arrival" and self.delay != 1:
+            raise problem(
+                f"release: arrival shows values as they come, and delay: {self.delay} lets them "
+                "wait for their sample; keep one of them."
+            )
+        if self.max_delay is not None and self.max_delay < self.least_delay:
+            raise problem(
+                f"max_delay {self.max_delay} is less than delay {self.delay}: every packet waits "
+                "longer than it may; raise max_delay or lower delay."
+            )
+        return self
+
     @property
     def least_delay(self) -> int:
         """Samples; one where it is chosen before the start."""
@@ -93,7 +107,7 @@ class LinkForm(LossPolicy):
     @property
     def longest_delay(self) -> int:
         """The longest way in samples after which a packet's values may still be used."""
-        return max(self.max_delay or LONGEST_DELAY, self.least_delay)
+        return self.max_delay or max(LONGEST_DELAY, self.least_delay)
 
 
 def read_link(options: Mapping[str, Any], where: str) -> LinkForm:

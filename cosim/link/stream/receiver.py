@@ -18,6 +18,7 @@ from cosim.link.stream.bundle import Floats, PacketBundle
 from cosim.link.stream.fate import Fate
 from cosim.link.stream.waiting import WaitingPackets
 from cosim.link.wire.packet import (
+    FLAGS,
     HEADER,
     LARGEST_TIME,
     MAGIC,
@@ -222,6 +223,8 @@ class Receiver:
         latest = max(sent, echo_sent, echo_received, epoch)
         earliest = min(sent, echo_sent, echo_received, epoch)
         if not 0 <= sampled <= LARGEST_TICK or latest > LARGEST_TIME or earliest < -LARGEST_TIME:
+            return Fate.ABSURD
+        if flags > FLAGS or not reader.is_spare_room_empty:
             return Fate.ABSURD
         if flags & PacketFlag.INITIAL:
             return Fate.LATE

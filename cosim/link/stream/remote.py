@@ -99,15 +99,12 @@ class RemoteStation(Component):
         *,
         grid: Grid,
         now: Callable[[], int],
-        leads: bool,
         follower: PhaseFollower | None = None,
     ) -> None:
-        """``leads``: the own grid is the reference. ``follower`` slews the grid to this peer's."""
+        """``follower`` slews the own grid to this peer's; without it that is the reference."""
         self.link = link
         self.grid = grid
-        self.leads = leads
         self.follower = follower
-        self.initial_seen = False
         self._now = now
         self._tick = 0
         self._update_every = max(1, round(1e9 / grid.tick_ns))
@@ -284,5 +281,6 @@ def _variable(field: Field, causality: Causality) -> Variable:
         causality=causality,
         variability="discrete",
         unit=field.unit,
+        is_relative=field.is_relative,
         shape=() if field.size == 1 else (field.size,),
     )

@@ -28,7 +28,9 @@ NONCE = struct.Struct("<BBHQ")
 """kind, zero, stream, sequence."""
 TAG_SIZE = 16
 SPARE = 8
-"""float64 elements kept at the end of a data body for energy and wave variables; zero for now."""
+"""float64 elements kept at the end of a data body for energy and wave variables. Nothing uses them
+yet, so they have to be zero."""
+_UNUSED = bytes(8 * SPARE)
 LARGEST_DATAGRAM = 1232
 LARGEST_TIME = 1 << 60
 """ns (36 years): a clock that shows more is not believed, and sums of four still fit 64 bits."""
@@ -56,6 +58,10 @@ class PacketFlag(IntEnum):
 
     STOPPING = 1
     INITIAL = 2
+
+
+FLAGS = PacketFlag.STOPPING | PacketFlag.INITIAL
+"""Every bit that means something; a packet with another one is not believed."""
 
 
 def datagram_size(elements: int) -> int:
@@ -171,9 +177,14 @@ class DataReader:
         self._stream = stream
         self.size = datagram_size(elements)
         plain = bytearray(self.size - HEADER.size - TAG_SIZE)
-        self._plain = memoryview(plain)
+        self._bytes, self._plain = plain, memoryview(plain)
         self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
         self.opener = opener
+
+    @property
+    def is_spare_room_empty(self) -> bool:
+        """Whether the last packet opened has nothing where nobody looks for anything."""
+        return self._bytes.endswith(_UNUSED)
 
     def open(self, datagram: memoryview, sequence: int) -> tuple[int, ...] | None:
         """The eight members of :data:`BODY`, or ``None`` for a forgery.

@@ -8,7 +8,7 @@ import numpy as np
 
 from cosim.link.session.keys import SessionKeys
 from cosim.link.session.live import KEEP_SIZE
-from cosim.link.wire.packet import BODY, HEADER, TAG_SIZE, PacketKind, Sealer, datagram_size
+from cosim.link.wire.packet import BODY, HEADER, SPARE, TAG_SIZE, PacketKind, Sealer, datagram_size
 
 EXTREMES = [0, 1, -1, 2**31, -(2**31), 2**53, 2**60, 2**60 + 1, 2**62, 2**63 - 1, -(2**63)]
 NUMBERS = [0.0, -0.0, 1.0, 0.1, -0.1, 1e300, -1e308, float("inf"), float("-inf"), float("nan")]
@@ -55,6 +55,7 @@ class KeyHolder:
         elif draw.random() < 0.8:
             numbers = [self.integer() for _ in range(4)]
             plain[:32] = b"".join(n.to_bytes(8, "little", signed=True) for n in numbers)
+            plain[32:] = bytes([draw.randrange(8), *bytes(7)])
         slot = kind << 16
         if draw.random() < 0.01:
             before, self.sealer._next[slot] = self.sealer._next[slot], draw.randrange(2**63, 2**64)
@@ -77,6 +78,8 @@ class KeyHolder:
         flags = draw.choice([0, 0, 1, 2, 3, 2**32 - 1])
         BODY.pack_into(plain, 0, *facts, flags, draw.getrandbits(32))
         np.frombuffer(plain, "<f8", len(values), BODY.size)[:] = values
+        if draw.random() < 0.95:
+            plain[BODY.size + 8 * len(values) :] = bytes(8 * SPARE)
 
     def _seal(self, kind: PacketKind, plain: bytearray, size: int) -> bytes:
         datagram = bytearray(size)

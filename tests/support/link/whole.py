@@ -166,7 +166,6 @@ class Station:
                 link,
                 grid=self.grid,
                 now=self._now,
-                leads=not follows,
                 follower=PhaseFollower() if follows else None,
             )
             self._prepare(peer)

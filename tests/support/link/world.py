@@ -116,7 +116,6 @@ class SimulatedStation:
             self.link,
             grid=self.grid,
             now=lambda: self.now,
-            leads=not follows,
             follower=PhaseFollower() if follows else None,
         )
         views = {

@@ -203,6 +203,8 @@ def test_every_datagram_that_changes_nothing_is_in_the_manifest() -> None:
             "too_many": 0,
             "same_name": 1,
             "absurd_exchanges": 0,
+            "refused": 0,
+            "unsent": 0,
         },
     }
 

@@ -50,7 +50,16 @@ def test_a_station_takes_the_bound_from_the_theory_and_says_so() -> None:
 
 def test_what_the_scenario_says_is_not_asked_again() -> None:
     assert bounds("link.max_delay=3") == ([3], [])
-    assert bounds("link.max_delay=3", "link.delay=5")[0] == [5]
+    assert bounds("link.max_delay=5", "link.delay=3") == ([5], [])
+
+
+def test_a_delay_that_the_theory_calls_unstable_is_said() -> None:
+    allowed = bounds()[0][0]
+    lengths, said = bounds(f"link.delay={allowed + 1}")
+    assert lengths == [allowed + 1]
+    assert said[1:] == [
+        f"delay: {allowed + 1} is longer than that, so the theory calls this loop unstable"
+    ]
 
 
 def test_a_loop_that_no_chapter_knows_has_the_stated_bound() -> None:

@@ -124,9 +124,7 @@ def test_three_stations_compute_what_one_simulation_does(tmp_path: Path) -> None
             mine = keys(own, peer.name)
             link.offer(mine, same=False)
             link.use(mine.session)
-            remotes.append(
-                RemoteStation(link, grid=grid, now=lambda t=transport: t.now, leads=True)
-            )
+            remotes.append(RemoteStation(link, grid=grid, now=lambda t=transport: t.now))
         made = {p.component: r for p, r in zip(halves[own].peers, remotes, strict=True)}
         pacer = Together(barrier, grid, remotes)
         try:

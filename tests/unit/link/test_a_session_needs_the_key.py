@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from cosim.link.session.answerer import LARGEST_PENDING, PENDING_LIFE, Answerer
 from cosim.link.session.asker import RETRY, SILENCE, Asker
 from cosim.link.session.contract import Contract
-from cosim.link.session.greeting import GREETING_SIZE, SIZES
+from cosim.link.session.greeting import GREETING_SIZE, SIZES, question_of
 from cosim.link.session.keys import prologue
 from cosim.link.session.live import KEEP_SIZE, SessionState
 from cosim.link.session.noise import NoiseError, NoiseHandshake
-from cosim.link.wire.packet import HEADER, PacketKind
+from cosim.link.wire.packet import HEADER, PacketKind, Sealer
 from tests.support.link.support import KEY, OTHER_KEY
 
 CONTRACT = Contract({"rate": 128, "gains": {"k": 800.0, "b": 3.0}})
@@ -233,6 +233,47 @@ def test_a_live_session_is_kept_until_the_first_packet_under_the_new_one() -> No
     answer = a.current.write(later, 0, SessionState.NONE)
     assert b.receive(answer, later, later).keep is not None
     assert b.current.keys.session == a.current.keys.session
+
+
+@pytest.mark.parametrize(("place", "value"), [(32, 8), (33, 1), (36, 1), (39, 128)])
+def test_a_keep_that_says_more_than_it_may_is_no_life(place: int, value: int) -> None:
+    b, a = met()
+    assert b.current is not None
+    plain = bytearray(40)
+    plain[place] = value
+    datagram = bytearray(KEEP_SIZE)
+    Sealer.seal(b.current._sealer, PacketKind.KEEP, 0, memoryview(plain), memoryview(datagram))
+    before = a.drops.stray
+    assert a.receive(bytes(datagram), MILLISECOND, MILLISECOND).keep is None
+    assert a.drops.stray == before + 1
+
+
+@pytest.mark.parametrize("spoil", ["padding", "reason", "piece"])
+def test_a_question_that_says_more_than_it_may_gets_no_answer(spoil: str) -> None:
+    b, a = asker(), answerer()
+    b._ask()
+    noise = NoiseHandshake(
+        initiator=True, psk=b._psk, prologue=b._prologue, ephemeral=bytes(range(32))
+    )
+    content = bytearray(b._contracts.payload().pack())
+    if spoil == "padding":
+        content[-1] = 1
+    elif spoil == "reason":
+        content[46] = 1
+    else:
+        content[40] = 200
+    message = noise.write(bytes(content))
+    hello = b._greeter.write(PacketKind.HELLO, question_of(noise.public), message)
+    assert a.receive(hello, 0, 0).answer is None
+    assert a.drops.foreign == 1
+
+
+def test_a_word_of_presence_asks_nothing() -> None:
+    b, a = asker(), answerer()
+    assert b.receive(a._greeter.write(PacketKind.PRESENT, 0), 0, 0).answer is None
+    assert b.drops.total == 0
+    b.receive(a._greeter.write(PacketKind.PRESENT, 7), 0, 0)
+    assert b.drops.total == 1
 
 
 def test_replays_and_second_copies_are_no_life() -> None:

@@ -17,7 +17,8 @@ from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.master.fmu.reading import read_description
 from cosim.scenario import load
 from cosim.station.contract import contract_of
-from cosim.station.split import Half, split
+from cosim.station.half import Half
+from cosim.station.split import split
 
 PARTS = '''
 from cosim.base.component import Causality, Component, Variable, VariableType

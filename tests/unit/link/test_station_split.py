@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import textwrap
 
 import pytest
 
@@ -12,13 +14,16 @@ from cosim.link.stream.form import read_link
 from cosim.link.stream.peer_link import PeerLink
 from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.address import Address
-from cosim.master.assembly.assemble import put_together
+from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.record import open_run
 from cosim.run import run_scenario
 from cosim.scenario import load
 from cosim.station.contract import contract_of
+from cosim.station.halves import refuse_unusable_halves
 from cosim.station.run import _addresses, _key_files
 from cosim.station.split import split
+
+ADD = "add_impairments: true"
 
 
 @pytest.fixture(scope="module", name="box")
@@ -117,6 +122,71 @@ def test_with_impairments_on_top_the_channel_stays_for_what_comes_in(box) -> Non
     assert {c.via for c, between in ends.items() if "link_station_a" in between} == {"lan"}
 
 
+def two_channels(tmp_path, first: str, second: str, more: str = "") -> Assembly:
+    """Two users whose positions go through two channels, with these settings."""
+    text = f"""
+        cohaptic: 1
+        duration: 1
+        components:
+          one: {{fmu: hand, station: station_a, rate: 1024}}
+          two: {{fmu: hand, station: station_a, rate: 1024}}
+          there: {{fmu: hand, station: station_b, rate: 1024}}
+          other: {{fmu: hand, station: station_b, rate: 1024}}
+        channels:
+          fast: {{between: [station_a, station_b], rate: 128, link: {first}}}
+          slow: {{between: [station_a, station_b], rate: 32, each_way_delay: 2, link: {second}}}
+        connections:
+          - {{from: one.position, to: there.force, via: fast, unit: ignore{more}}}
+          - {{from: two.position, to: other.force, via: slow, unit: ignore{more}}}
+    """
+    file = tmp_path / "two_channels.yaml"
+    file.write_text(textwrap.dedent(text).lstrip(), encoding="utf-8")
+    return put_together(load(file))
+
+
+def contracts(assembly: Assembly) -> set[bytes]:
+    halves = [split(assembly, own) for own in ("station_a", "station_b")]
+    return {Contract(contract_of(assembly, half, half.peers[0])).hash for half in halves}
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [("clock: free", "clock: follow"), (ADD, "add_impairments: false")]
+)
+def test_all_channels_between_two_stations_are_one_link(tmp_path, first, second) -> None:
+    mixed = two_channels(tmp_path, f"{{{first}}}", f"{{{second}}}")
+    said = f"the channels fast and slow both lead to station_b, and one says {first}, the other"
+    with pytest.raises(InputError, match=re.escape(said)):
+        split(mixed, "station_a")
+
+
+def test_who_only_sends_knows_of_the_clock_too(tmp_path) -> None:
+    free = two_channels(tmp_path, "{clock: free}", "{clock: free}")
+    halves = [split(free, own) for own in ("station_a", "station_b")]
+    assert [half.peers[0].clock for half in halves] == ["free", "free"]
+    assert len(contracts(free)) == 1
+
+
+@pytest.mark.parametrize("settings", ["{}", f"{{{ADD}}}"])
+def test_a_station_makes_of_a_value_what_its_connection_says(tmp_path, settings) -> None:
+    more = ", factor: 2.5, offset: -1, rate: 64, initial: start"
+    whole = two_channels(tmp_path, settings, settings, more.replace("64", "32"))
+    refuse_unusable_halves(whole)
+    half = split(whole, "station_b")
+    linked = [c for c in half.scenario.connections if c.target.path == "force"]
+    assert [(c.factor, c.offset, c.ignores_unit) for c in linked] == [(2.5, -1.0, True)] * 2
+    real = settings == "{}"
+    assert [c.rate for c in linked] == [None if real else 32] * 2
+    assert [c.initial for c in linked] == ["source" if real else "start"] * 2
+    told = [sentence for sentence in half.dropped if "initial: start" in sentence]
+    assert len(told) == (2 if real else 0)
+
+
+def test_what_a_connection_makes_of_a_value_is_in_the_contract(tmp_path) -> None:
+    plain, twice = (two_channels(tmp_path, "{}", "{}", more) for more in ("", ", factor: 2"))
+    assert len(contracts(plain)) == len(contracts(twice)) == 1
+    assert contracts(plain) != contracts(twice)
+
+
 def test_records_of_other_stations_are_left_out_and_said(box) -> None:
     half = split(box, "station_a")
     patterns = [record.pattern for record in half.scenario.record]
@@ -165,6 +235,15 @@ def test_every_pair_has_a_key_of_its_own(tmp_path) -> None:
         ({"delay": 0}, "delay: 0 is out of range: at least 1"),
         ({"fade": "-1 s"}, "fade: the text '-1 s' is out of range: more than 0 s"),
         ({"add_impairments": "yes"}, "add_impairments: this must be true or false"),
+        (
+            {"release": "arrival", "delay": 3},
+            "release: arrival shows values as they come, and delay: 3 lets them wait",
+        ),
+        ({"release": "arrival", "delay": "auto"}, "and delay: auto lets them wait"),
+        (
+            {"delay": 8, "max_delay": 4},
+            "max_delay 4 is less than delay 8: every packet waits longer than it may",
+        ),
     ],
 )
 def test_link_settings_are_checked(options, message) -> None:
@@ -174,13 +253,10 @@ def test_link_settings_are_checked(options, message) -> None:
 
 
 def test_link_settings_are_read() -> None:
-    options = {"release": "arrival", "delay": 2, "fade": "20 ms", "resume": 0.5, "clock": "free"}
+    options = {"max_delay": 3, "delay": 2, "fade": "20 ms", "resume": 0.5, "clock": "free"}
     settings = read_link(options, "channel lan")
-    assert (settings.release, settings.delay, settings.clock) == ("arrival", 2, "free")
+    assert (settings.max_delay, settings.delay, settings.clock) == (3, 2, "free")
     assert (settings.fade, settings.resume) == (0.02, 0.5)
-
-
-ADD = "add_impairments: true"
 
 
 class Nobody:
@@ -218,7 +294,7 @@ def test_the_age_that_the_workstation_is_told_holds_all_delays(tmp_path, own, de
         forward=lambda *_: None,
     )
     grid = Grid(tick_ns=1e9 / 1024)
-    remote = RemoteStation(link, grid=grid, now=lambda: 0, leads=True)
+    remote = RemoteStation(link, grid=grid, now=lambda: 0)
     made = {peer.component: remote}
     finished = run_scenario(half.scenario, tmp_path / "run", figure=False, instances=made)
     with open_run(finished.folder) as run:
