@@ -112,6 +112,32 @@ EXTENSIONS: tuple[Statement, ...] = (
         ),
     ),
     Statement(
+        "alternating-delays",
+        "5.1",
+        "Delays that are stable each are unstable when they alternate: fixed delays prove nothing "
+        "of a network whose delay varies (table 6.1, centralized).",
+        (Evidence("alternating_delays", "alternating", "a sample up and down in turns, growth"),),
+        "Every fixed delay of at most one sample each way has ρ below 0.9963; the alternation has "
+        "1.000628 a period, 0.0803 a second, and no switching grows faster than 1.0008 "
+        "('cohaptic theory robust switching').",
+        ablations=(
+            ablation(
+                "alternating_delays",
+                "alternating",
+                "the sample always down",
+                "channels.lan.trace={forward: [0], backward: [1]}",
+                number=1,
+            ),
+            ablation(
+                "alternating_delays",
+                "alternating",
+                "the sample always up",
+                "channels.lan.trace={forward: [1], backward: [0]}",
+                number=2,
+            ),
+        ),
+    ),
+    Statement(
         "deadband",
         "",
         "A Weber deadband of a tenth saves packets, and the grasp is as steady (Hinterseer et al., "

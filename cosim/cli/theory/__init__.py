@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import click
 
@@ -20,29 +21,35 @@ SUBCOMMANDS = {
     "page": "The page that compares chapters 3 to 6 with this library.",
     "passivity": "Passivity and Z-width on a device with physical damping.",
     "radius": "Spectral radius of a loop: stable below 1.",
+    "robust": "What holds whatever the network and the hands do.",
     "stiffness": "Stiffness that a user feels in rigid contact.",
     "table": "Print table 6.1 or 6.2, the thesis's numbers beside ours.",
 }
 
 
 class TheoryGroup(click.Group):
-    """The theory's subcommands, imported when used."""
+    """Subcommands that are imported when used: ``command`` in a module of each one's name."""
+
+    package: ClassVar[str] = "cosim.cli.theory"
+    summaries: ClassVar[Mapping[str, str]] = SUBCOMMANDS
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The subcommand names in alphabetical order."""
-        return sorted(SUBCOMMANDS)
+        return sorted(self.summaries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return one subcommand, or ``None`` where there is none of that name."""
-        if cmd_name not in SUBCOMMANDS:
+        if cmd_name not in self.summaries:
             return None
-        command: Any = importlib.import_module(f"cosim.cli.theory.{cmd_name}").command
+        command: Any = importlib.import_module(
+            f"{self.package}.{cmd_name.replace('-', '_')}"
+        ).command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list without importing a single subcommand."""
         with formatter.section("Commands"):
-            formatter.write_dl(sorted(SUBCOMMANDS.items()))
+            formatter.write_dl(sorted(self.summaries.items()))
 
 
 @click.group(cls=TheoryGroup, context_settings={"help_option_names": ["-h", "--help"]})

@@ -56,6 +56,10 @@ class Loop:
         """The model with every user's hand in it."""
         return self.parameters.model()
 
+    def timing_at(self, forward: int, backward: int) -> Timing:
+        """The timing with another delay (network samples)."""
+        return replace(self.timing, delay=PathDelay(forward, backward))
+
     def one_hand(self, user: int) -> Model:
         """The model with one user's hand alone (Fig. 6.1)."""
         users = self.parameters.users
