@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
+from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,7 +16,10 @@ from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.terminal.complete import run_folders
 from cosim.cli.support.terminal.width import shown_width
-from cosim.cli.support.values import OutputFolder
+from cosim.cli.support.values import OutputFolder, Quantity
+
+if TYPE_CHECKING:
+    from cosim.record.reader import Run
 
 RUN = click.argument("run", type=click.Path(path_type=Path), shell_complete=run_folders)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -127,19 +133,77 @@ def list_command(run: Path, *, as_json: bool) -> None:
 )
 @click.option("--out", type=OutputFolder(), help="Folder. [default: export in the run's folder]")
 @click.option("--held", is_flag=True, help="One table at the fastest rate, slower signals held.")
+@click.option(
+    "--signal",
+    "signals",
+    multiple=True,
+    help="These signals: a name, or a pattern with * and ?.  [default: all]",
+)
+@click.option("--from", "start", type=Quantity("s"), help="Begin here.  [default: the beginning]")
+@click.option("--until", type=Quantity("s"), help="End here.  [default: the run's end]")
 @JSON
-def export_command(run: Path, kind: str, out: Path | None, *, held: bool, as_json: bool) -> None:
+def export_command(
+    run: Path,
+    kind: str,
+    out: Path | None,
+    *,
+    held: bool,
+    signals: tuple[str, ...],
+    start: Fraction | None,
+    until: Fraction | None,
+    as_json: bool,
+) -> None:
     """Write a run as csv, mat, mcap, mf4 or parquet; held signals stay held."""
     from cosim.record import open_run
     from cosim.record.export.formats import export
 
     with open_run(run) as opened:
-        paths = export(opened, kind, out or opened.folder / "export", held=held)
+        span = _span(opened, start, until)
+        folder = out or opened.folder / "export"
+        paths = export(opened, kind, folder, held=held, patterns=signals, span=span)
     if as_json:
         click.echo(json.dumps({"files": [str(path) for path in paths]}))
     else:
         for path in paths:
             click.echo(str(path))
+
+
+def _span(run: Run, start: Fraction | None, until: Fraction | None) -> tuple[int, int | None]:
+    """Base ticks from one time to the other; the tick at the end is in it."""
+    if start is not None and until is not None and until < start:
+        raise InputError(f"--until {float(until):g} s is before --from {float(start):g} s.")
+    begin = 0 if start is None else math.ceil(start * run.base_rate) - run.start_tick
+    end = None if until is None else math.floor(until * run.base_rate) - run.start_tick + 1
+    return begin, end
+
+
+@command.command("compress", cls=JsonCommand)
+@click.argument(
+    "runs",
+    nargs=-1,
+    required=True,
+    type=click.Path(path_type=Path),
+    shell_complete=run_folders,
+)
+@JSON
+def compress_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
+    """Make the records of runs smaller without loss; digests stay what they are."""
+    from cosim.record.compression import compress
+
+    done = {str(folder): compress(folder) for folder in runs}
+    if as_json:
+        sizes = {
+            name: None if found is None else {"before": found.before, "after": found.after}
+            for name, found in done.items()
+        }
+        click.echo(json.dumps({"runs": sizes}))
+        return
+    for name, found in done.items():
+        if found is None:
+            click.echo(f"{name}: it is compressed already")
+        else:
+            before, after = found.before / 1e6, found.after / 1e6
+            click.echo(f"{name}: {before:.1f} MB before, {after:.1f} MB now")
 
 
 @command.command("compact", cls=JsonCommand)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import html
 import importlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.base.wildcard import compile_wildcard
+from cosim.record.export.formats import chosen
 from cosim.record.export.table import Table
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
 
 SHOWN = 6
 """Signals of a group that a reader is shown."""
@@ -40,7 +40,7 @@ def to_xarray(run: Run, patterns: Sequence[str] = ()) -> Any:
         InputError: a pattern matches nothing, or xarray is not installed.
     """
     xarray = _needed("xarray")
-    signals = _chosen(run, patterns)
+    signals = chosen(run, patterns)
     groups = {signal.group.name: signal.group for signal in signals}
     names = {name: "time" if len(groups) == 1 else f"time_{name}" for name in groups}
     variables = {
@@ -88,20 +88,8 @@ def outline_html(run: Run) -> str:
     )
 
 
-def _chosen(run: Run, patterns: Iterable[str]) -> list[RecordedSignal]:
-    """The signals that names and patterns mean; all of them without one."""
-    found: dict[str, RecordedSignal] = {}
-    for pattern in patterns:
-        expression = compile_wildcard(pattern)
-        names = [name for name in run.signals if expression.fullmatch(name)]
-        if not names:
-            found[pattern] = run[pattern]  # refuses, and says what comes near
-        found |= {name: run.signals[name] for name in names}
-    return list((found or dict(run.signals)).values())
-
-
 def _table(run: Run, patterns: Sequence[str]) -> Table:
-    signals = _chosen(run, patterns)
+    signals = chosen(run, patterns)
     period = min((signal.group.period for signal in signals), default=1)
     covered = min((s.group.rows * s.group.period for s in signals), default=0)
     return Table("", run, period, covered // period, tuple(signals))

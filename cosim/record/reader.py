@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import json
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -60,8 +60,9 @@ class SignalGroup:
     @cached_property
     def signals(self) -> Mapping[str, RecordedSignal]:
         """The group's signals by name, in the order in which they were recorded."""
-        found = [RecordedSignal(self, *place) for place in self._store.places()]
-        return MappingProxyType({signal.name: signal for signal in found})
+        return Signals(
+            self._store.names, lambda name: RecordedSignal(self, *self._store.place(name))
+        )
 
     @property
     def ticks(self) -> NDArray[np.int64]:
@@ -168,6 +169,31 @@ class RecordedSignal:
         return statistics.summary(0)
 
 
+class Signals(Mapping[str, RecordedSignal]):
+    """Signals by name; each is made when it is first asked for."""
+
+    def __init__(self, names: Iterable[str], make: Callable[[str], RecordedSignal]) -> None:
+        self._names = dict.fromkeys(names)
+        self._make = make
+        self._made: dict[str, RecordedSignal] = {}
+
+    def __getitem__(self, name: str) -> RecordedSignal:
+        if name not in self._made:
+            if name not in self._names:
+                raise KeyError(name)
+            self._made[name] = self._make(name)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
 class Run:
     """A run folder that is open for reading; a context manager."""
 
@@ -197,10 +223,10 @@ class Run:
     def signals(self) -> Mapping[str, RecordedSignal]:
         """Every signal by name; of one recorded at several rates, the fastest."""
         slowest_first = sorted(self.groups.values(), key=lambda group: -group.period)
-        found: dict[str, RecordedSignal] = {}
+        groups: dict[str, SignalGroup] = {}
         for group in slowest_first:
-            found.update(group.signals)
-        return MappingProxyType(found)
+            groups.update(dict.fromkeys(group.signals, group))
+        return Signals(groups, lambda name: groups[name].signals[name])
 
     def __getitem__(self, name: str) -> RecordedSignal:
         """One signal.
@@ -282,8 +308,8 @@ def _labelled() -> Any:
     return importlib.import_module("cosim.record.labelled")
 
 
-def open_run(path: str | Path) -> Run:
-    """Open a run folder (or the ``run.h5`` in it) for reading.
+def open_run(path: str | Path, *, file: Path | None = None) -> Run:
+    """Open a run folder (or the ``run.h5`` in it) for reading; ``file`` in place of the latter.
 
     Raises:
         InputError: there is no run, or its file was not written by cohaptic.
@@ -291,23 +317,23 @@ def open_run(path: str | Path) -> Run:
     folder = Path(path)
     if folder.name == RUN_FILE:
         folder = folder.parent
-    target = folder / RUN_FILE
+    target = file or folder / RUN_FILE
     if not target.is_file():
         raise InputError(f"{folder}: not a run folder: there is no {RUN_FILE} in it.")
     try:
-        file = h5py().File(target, "r", locking=False, rdcc_nbytes=0)
+        opened = h5py().File(target, "r", locking=False, rdcc_nbytes=0)
     except OSError as error:
         raise InputError(f"{target}: not a readable HDF5 file ({error}).") from error
-    found = file.attrs.get("format")
-    if found not in READABLE or "base_rate" not in file.attrs:
-        file.close()
+    found = opened.attrs.get("format")
+    if found not in READABLE or "base_rate" not in opened.attrs:
+        opened.close()
         what = "it is not a run record" if found is None else f"its format is {found}"
         raise InputError(f"{target}: {what}; this version reads formats 1 to {FORMAT_VERSION}.")
-    numerator, denominator = (int(part) for part in file.attrs["base_rate"])
-    stores = {name: FileStore(node) for name, node in file.items()}
+    numerator, denominator = (int(part) for part in opened.attrs["base_rate"])
+    stores = {name: FileStore(node) for name, node in opened.items()}
     rate = Fraction(numerator, denominator)
-    start_tick = int(file.attrs.get("start_tick", 0))
-    return Run(folder, stores, rate, read_manifest(folder), file.close, start_tick=start_tick)
+    start_tick = int(opened.attrs.get("start_tick", 0))
+    return Run(folder, stores, rate, read_manifest(folder), opened.close, start_tick=start_tick)
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

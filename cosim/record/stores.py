@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Collection
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from cosim.base.recording import Column, MemorySink
 from cosim.record.old_meaning import old_meaning
-from cosim.record.table import TABLE, read_table
+from cosim.record.table import TABLE, read_entry, read_table
 
 Place = tuple[Column, Any, int | None]
 """A signal, what its values are read from, and the row there that is the signal's."""
@@ -30,8 +31,13 @@ class GroupStore(Protocol):
         """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
         ...
 
-    def places(self) -> Iterator[Place]:
-        """Every signal, and where its values are."""
+    @property
+    def names(self) -> Collection[str]:
+        """Every signal, in the order in which they were recorded."""
+        ...
+
+    def place(self, name: str) -> Place:
+        """A signal, and where its values are."""
         ...
 
 
@@ -48,15 +54,26 @@ class FileStore:
         """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
         return self._node["tick"][start:stop]
 
-    def places(self) -> Iterator[Place]:
-        """Every signal, and where its values are."""
+    @property
+    def names(self) -> Collection[str]:
+        """Every signal, in the order in which they were recorded."""
+        return self._entries
+
+    def place(self, name: str) -> Place:
+        """A signal, and where its values are."""
+        entry = self._entries[name]
+        if TABLE not in self._node:
+            return _described(entry), entry, None
+        column, place, row = read_entry(entry)
+        return column, self._node[place], row
+
+    @cached_property
+    def _entries(self) -> dict[str, Any]:
+        """The entry of each signal in the table; in format 1 its dataset."""
         if TABLE in self._node:
-            for column, place, row in read_table(self._node):
-                yield column, self._node[place], row
-        else:  # format 1: a dataset for each signal
-            for key, node in self._node.items():
-                if key not in {"rows", "tick"}:
-                    yield _described(node), node, None
+            return dict(read_table(self._node))
+        nodes = [node for key, node in self._node.items() if key not in {"rows", "tick"}]
+        return {str(node.attrs["name"]): node for node in nodes}
 
 
 class MemoryStore:
@@ -68,17 +85,22 @@ class MemoryStore:
         self.rows = self.capacity = len(cells)
         self._columns = sink.groups[group].columns
         self._cells = cells
+        self._rows = {column.name: row for row, column in enumerate(self._columns)}
 
     def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
         """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
         return np.arange(start, stop, dtype=np.int64) * self.period
 
-    def places(self) -> Iterator[Place]:
-        """Every signal, and where its values are."""
-        whole = self._cells.T
-        floats = self._cells.view(np.float64).T
-        for row, column in enumerate(self._columns):
-            yield column, floats if column.is_float else whole, row
+    @property
+    def names(self) -> Collection[str]:
+        """Every signal, in the order in which they were recorded."""
+        return self._rows
+
+    def place(self, name: str) -> Place:
+        """A signal, and where its values are."""
+        row = self._rows[name]
+        column = self._columns[row]
+        return column, (self._cells.view(np.float64) if column.is_float else self._cells).T, row
 
 
 def _described(dataset: Any) -> Column:

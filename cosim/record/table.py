@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,9 @@ from cosim.base.recording import Column
 from cosim.record.hdf5 import h5py
 
 TABLE = "signals"
+Entry = tuple[Any, ...]
+"""A row of the table as it is in the file."""
+_MEANINGS = frozenset(Meaning)
 FLOATS, INTEGERS = "float64", "int64"
 """The datasets of values, named after what they hold."""
 
@@ -49,21 +52,29 @@ def write_table(group: Any, columns: Sequence[Column]) -> None:
     group.create_dataset(TABLE, data=table)
 
 
-def read_table(group: Any) -> Iterator[tuple[Column, str, int]]:
-    """Every column of ``group`` with its dataset and its row there, as it was written."""
-    for entry in group[TABLE][()].tolist():
-        parts: list[Any] = [part.decode() if isinstance(part, bytes) else part for part in entry]
-        name, unit, place, causality, description, items, meaning, peer, finger, row = parts
-        named: dict[str, str] = json.loads(items) if items else {}
-        column = Column(
-            name=name,
-            unit=unit or None,
-            is_float=place == FLOATS,
-            description=description,
-            causality=causality,
-            items=tuple((int(value), item) for value, item in named.items()),
-            # A later version may know more.
-            meaning=Meaning(meaning) if meaning in set(Meaning) else None,
-            belongs_to=Slot(peer or None, finger or None),
-        )
-        yield column, place, int(row)
+def read_table(group: Any) -> dict[str, Entry]:
+    """The entry of every column of ``group`` by its name, in the order in which they were written.
+
+    They are read at once, and understood where somebody asks for them (``read_entry``): a run has
+    hundreds, and most readers want one.
+    """
+    return {entry[0].decode(): entry for entry in group[TABLE][()].tolist()}
+
+
+def read_entry(entry: Entry) -> tuple[Column, str, int]:
+    """A column with its dataset and its row there."""
+    parts: list[Any] = [part.decode() if isinstance(part, bytes) else part for part in entry]
+    name, unit, place, causality, description, items, meaning, peer, finger, row = parts
+    named: dict[str, str] = json.loads(items) if items else {}
+    column = Column(
+        name=name,
+        unit=unit or None,
+        is_float=place == FLOATS,
+        description=description,
+        causality=causality,
+        items=tuple((int(value), item) for value, item in named.items()),
+        # A later version may know more.
+        meaning=Meaning(meaning) if meaning in _MEANINGS else None,
+        belongs_to=Slot(peer or None, finger or None),
+    )
+    return column, place, int(row)

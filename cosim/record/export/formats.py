@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,43 +18,82 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
+from cosim.base.wildcard import compile_wildcard
 from cosim.record.export.mcap import write_mcap
 from cosim.record.export.mdf import write_mdf
-from cosim.record.export.table import Table, needed
-from cosim.record.reader import Run
+from cosim.record.export.table import Span, Table, needed
+from cosim.record.reader import RecordedSignal, Run
 
 MATLAB_NAME_LENGTH = 63
 """Longest name of a struct's field in MATLAB."""
 
 
-def export(run: Run, kind: str, folder: Path, *, held: bool = False) -> list[Path]:
+def export(
+    run: Run,
+    kind: str,
+    folder: Path,
+    *,
+    held: bool = False,
+    patterns: Sequence[str] = (),
+    span: Span = (0, None),
+) -> list[Path]:
     """Write a run in ``kind`` into ``folder``; returns the files.
+
+    Names, and patterns with ``*`` and ``?``, choose signals, ``span`` the base ticks.
 
     Raises:
         InputError: the kind is unknown, or the package that it needs is not installed; nothing is
-            recorded; or ``folder`` cannot be written.
+            recorded, a pattern matches nothing or nothing is in the span; or ``folder`` cannot be
+            written.
     """
     if kind not in EXPORTERS:
         raise InputError(f"{kind}: is no export format; there are {', '.join(EXPORTERS)}.")
     if not run.signals:
         raise InputError(f"{run.folder}: nothing is recorded in it, so nothing can be exported.")
-    tables = [_held_table(run)] if held else _tables(run)
+    signals = chosen(run, patterns)
+    tables = [_held_table(run, signals)] if held else _tables(run, signals)
+    tables = [part for table in tables if (part := table.within(span)).rows]
+    if not tables:
+        raise InputError(f"{run.folder}: no row lies in the time that is to be exported.")
     with writing(folder, "--out takes a folder for the files"):
         folder.mkdir(parents=True, exist_ok=True)
         return EXPORTERS[kind](tables, folder)
 
 
-def _tables(run: Run) -> list[Table]:
-    return [
-        Table(name, run, group.period, group.rows, tuple(group.signals.values()))
+def chosen(run: Run, patterns: Iterable[str]) -> list[RecordedSignal]:
+    """The signals that names and patterns mean; all of them without one.
+
+    Raises:
+        InputError: a pattern matches nothing.
+    """
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        expression = compile_wildcard(pattern)
+        names = [name for name in run.signals if expression.fullmatch(name)]
+        if not names:
+            names = [run[pattern].name]  # refuses, and says what comes near
+        found |= dict.fromkeys(names)
+    return [run.signals[name] for name in (found or run.signals)]
+
+
+def _tables(run: Run, signals: Sequence[RecordedSignal]) -> list[Table]:
+    """A table for each group that has some of the signals."""
+    names = {signal.name for signal in signals}
+    parts = {
+        name: tuple(group.signals[each] for each in group.signals if each in names)
         for name, group in run.groups.items()
+    }
+    return [
+        Table(name, run, run.groups[name].period, run.groups[name].rows, members)
+        for name, members in parts.items()
+        if members
     ]
 
 
-def _held_table(run: Run) -> Table:
-    period = min(group.period for group in run.groups.values())
+def _held_table(run: Run, signals: Sequence[RecordedSignal]) -> Table:
+    period = min(signal.group.period for signal in signals)
     rows = -(-run.ticks // period)
-    return Table("held", run, period, rows, tuple(run.signals.values()))
+    return Table("held", run, period, rows, tuple(signals))
 
 
 def _write_csv(tables: list[Table], folder: Path) -> list[Path]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
 from cosim.record.reader import RecordedSignal, Run, Values
+
+Span = tuple[int, int | None]
+"""Base ticks from the first to the one after the last; without that to the end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,15 +26,24 @@ class Table:
     period: int
     rows: int
     signals: tuple[RecordedSignal, ...]
+    skipped: int = 0
+    """Rows before the first one."""
 
     def ticks(self, first: int, last: int) -> NDArray[np.int64]:
         """Base ticks of rows ``first`` to ``last``."""
-        return np.arange(first, last, dtype=np.int64) * self.period
+        return np.arange(self.skipped + first, self.skipped + last, dtype=np.int64) * self.period
+
+    def within(self, span: Span) -> Table:
+        """The rows whose ticks are in a span."""
+        begin, end = span
+        first = -(-max(begin, 0) // self.period)
+        last = self.rows if end is None else min(self.rows, -(-end // self.period))
+        return replace(self, skipped=first, rows=max(0, last - first))
 
     def values(self, signal: RecordedSignal, first: int, last: int) -> Values:
         """A signal's values in rows ``first`` to ``last``, held where it is slower."""
         if signal.group.period == self.period:
-            return signal[first:last]
+            return signal[self.skipped + first : self.skipped + last]
         rows = self.ticks(first, last) // signal.group.period
         return signal[int(rows[0]) : int(rows[-1]) + 1][rows - rows[0]]
 

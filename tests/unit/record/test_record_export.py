@@ -40,6 +40,42 @@ def test_csv_reads_back_to_the_same_doubles(small_run: Path) -> None:
         assert len(read_csv(network)[2]) == 256
 
 
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mat"])
+def test_signals_and_a_window_of_time_are_exported_alone(small_run: Path, kind: str) -> None:
+    with open_run(small_run) as run:
+        paths = export(run, kind, small_run / "out", patterns=["a.s*", "a.sine"], span=(100, 1000))
+        expected = run["a.sine"][100:1000]
+        if kind == "csv":
+            names, _, rows = read_csv(paths[0])
+            assert names == ["tick", "time", "a.sine", "a.state"]
+            assert (rows[:, 0] == np.arange(100, 1000)).all()
+            found = rows[:, 2]
+        elif kind == "parquet":
+            found = pyarrow.parquet.read_table(paths[0])["a.sine"].to_numpy()
+        else:
+            found = loadmat(paths[0], squeeze_me=True, struct_as_record=False)["control"].a_sine
+        assert (found == expected).all()
+
+
+def test_a_window_of_held_rows_begins_with_what_was_held(small_run: Path) -> None:
+    with open_run(small_run) as run:
+        (path,) = export(
+            run, "csv", small_run / "out", held=True, patterns=["lan.held", "a.sine"], span=(13, 20)
+        )
+        names, _, rows = read_csv(path)
+        held = run["lan.held"].values
+        expected = [held[tick // 8] for tick in range(13, 20)]
+        assert rows[:, names.index("lan.held")].tolist() == expected
+
+
+def test_a_window_beyond_the_run_and_a_signal_of_no_name_are_refused(small_run: Path) -> None:
+    with open_run(small_run) as run:
+        with pytest.raises(InputError, match="no row lies in the time"):
+            export(run, "csv", small_run / "out", span=(10_000, None))
+        with pytest.raises(InputError, match=r"no signal a\.sime was"):
+            export(run, "csv", small_run / "out", patterns=["a.sime"])
+
+
 def test_a_slow_signal_is_held_not_interpolated(small_run: Path) -> None:
     with open_run(small_run) as run:
         (path,) = export(run, "csv", small_run / "out", held=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,6 +17,7 @@ from hypothesis.extra import numpy as hnp
 from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import layout, open_run
+from cosim.record.reader import RecordedSignal
 from tests.support.record.synthetic_run import write
 
 ANY_BITS = st.integers(-(2**63), 2**63 - 1)
@@ -121,3 +123,22 @@ def test_what_is_not_a_run_is_refused(tmp_path: Path) -> None:
         file["x"] = 1
     with pytest.raises(InputError, match="not a run record"):
         open_run(tmp_path)
+
+
+def test_reading_one_signal_describes_no_other(
+    small_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[str] = []
+
+    class Watched(RecordedSignal):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            made.append(self.name)
+
+    monkeypatch.setattr("cosim.record.reader.RecordedSignal", Watched)
+    with open_run(small_run) as run:
+        assert "a.ramp" in run
+        assert len(run.signals) > 2
+        assert made == []
+        assert run["a.sine"].values.size
+    assert made == ["a.sine"]
