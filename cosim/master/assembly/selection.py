@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from cosim.base.component import Causality
@@ -14,6 +15,7 @@ from cosim.base.wildcard import compile_wildcard, is_wild
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
 from cosim.master.components.interface import Interface
 from cosim.scenario import Scenario
+from cosim.scenario.presets import PRESETS, RecordPreset, is_preset, named_in
 
 _FACTS = {
     "age": "Age of the packet that the receiver holds (base ticks)",
@@ -72,7 +74,7 @@ def select_recorded(
     groups: dict[int, Selected] = {}
     for number, record in enumerate(scenario.record):
         with problems.at(("record", number)):
-            for found in _matches(record.pattern, candidates, interfaces, scenario):
+            for found in _recorded(record.pattern, candidates, interfaces, scenario):
                 period = record.period or found.period
                 group = groups.setdefault(period, Selected(period))
                 group.signals.setdefault(found.name, found.signal)
@@ -126,6 +128,38 @@ def _packet_facts(scenario: Scenario, wiring: Wiring) -> Iterator[_Candidate]:
         )
         for fact in _FACTS:
             yield _Candidate(f"{bundle.name}.{fact}", PacketFact(number, fact), period, usual=True)
+
+
+def _recorded(
+    pattern: str,
+    known: _Candidates,
+    interfaces: Mapping[str, Interface],
+    scenario: Scenario,
+) -> list[_Candidate]:
+    """What a pattern or a preset stands for."""
+    if not is_preset(pattern, {*scenario.components, *scenario.channels}):
+        return _matches(pattern, known, interfaces, scenario)
+    wanted = PRESETS[pattern]
+    found = [c for c in known.every if c.usual and _is_for(c, wanted, interfaces)]
+    for name in named_in(scenario.expect):
+        with suppress(InputError):  # who reads the expectation says what is wrong with it
+            found += _matches(name, known, interfaces, scenario)
+    if not found:
+        raise InputError(
+            f"'{pattern}' stands for what {wanted.purpose}, and there is nothing of it here: name "
+            "the signals that you want."
+        )
+    return found
+
+
+def _is_for(
+    candidate: _Candidate, wanted: RecordPreset, interfaces: Mapping[str, Interface]
+) -> bool:
+    signal = candidate.signal
+    if isinstance(signal, PacketFact):
+        return wanted.with_packets
+    variable = interfaces[signal.component].variables[signal.variable]
+    return variable.meaning_of(signal.index) in wanted.meanings
 
 
 def _matches(
