@@ -188,7 +188,7 @@ def _span(run: Run, start: Fraction | None, until: Fraction | None) -> tuple[int
 @JSON
 def compress_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
     """Make the records of runs smaller without loss; digests stay what they are."""
-    from cosim.record.compression import compress
+    from cosim.record.rewriting.compression import compress
 
     done = {str(folder): compress(folder) for folder in runs}
     if as_json:
@@ -210,8 +210,8 @@ def compress_command(runs: tuple[Path, ...], *, as_json: bool) -> None:
 @RUN
 def compact_command(run: Path) -> None:
     """Cut the datasets of a run that was killed to the rows that it reached."""
-    from cosim.record.compact import compact
     from cosim.record.reader import RUN_FILE, open_run
+    from cosim.record.rewriting.compact import compact
 
     with open_run(run) as opened:
         path = opened.folder / RUN_FILE

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from cosim.base.errors import RunError
 from cosim.base.recording import RecordGroup
-from cosim.record.compact import compact
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, rows_in, write_cells
+from cosim.record.rewriting.compact import compact
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 
 BLOCK_BYTES = 1 << 21

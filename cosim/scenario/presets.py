@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from cosim.base.meaning import Meaning
@@ -54,11 +54,6 @@ PRESETS: Mapping[str, RecordPreset] = {
     "summary": RecordPreset("measures and expectations read", MEASURED),
     "display": RecordPreset("pictures show", DRAWN, with_packets=True),
 }
-
-
-def is_preset(pattern: str, names: Collection[str]) -> bool:
-    """Whether it is such a word, and no component or channel has the name."""
-    return pattern in PRESETS and pattern not in names
 
 
 def named_in(targets: Iterable[str]) -> list[str]:

@@ -24,9 +24,9 @@ from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.simulation import Progress
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge
-from cosim.record.compact import compact
 from cosim.record.manifest import conclude, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, open_run
+from cosim.record.rewriting.compact import compact
 from cosim.report.expectation import parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
 from cosim.run import Execute, Finished, run_scenario

@@ -15,7 +15,7 @@ from cosim.base.wildcard import compile_wildcard, is_wild
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
 from cosim.master.components.interface import Interface
 from cosim.scenario import Scenario
-from cosim.scenario.presets import PRESETS, RecordPreset, is_preset, named_in
+from cosim.scenario.presets import PRESETS, RecordPreset, named_in
 
 _FACTS = {
     "age": "Age of the packet that the receiver holds (base ticks)",
@@ -137,7 +137,7 @@ def _recorded(
     scenario: Scenario,
 ) -> list[_Candidate]:
     """What a pattern or a preset stands for."""
-    if not is_preset(pattern, {*scenario.components, *scenario.channels}):
+    if pattern not in PRESETS:
         return _matches(pattern, known, interfaces, scenario)
     wanted = PRESETS[pattern]
     found = [c for c in known.every if c.usual and _is_for(c, wanted, interfaces)]

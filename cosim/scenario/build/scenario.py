@@ -22,7 +22,7 @@ from cosim.scenario.build.turning import build_events, build_knobs
 from cosim.scenario.form.document import Document, document_form
 from cosim.scenario.form.sections import Forms, plain, written_in
 from cosim.scenario.model import Channel, Connection, Record, Scenario, ScenarioComponent
-from cosim.scenario.presets import is_preset
+from cosim.scenario.presets import PRESETS
 from cosim.scenario.source.notation import components_in
 
 SECTIONS = (
@@ -293,8 +293,7 @@ def _record(context: Context) -> tuple[Record, ...]:
         rate = None
         if not isinstance(entry, str) and entry.rate is not None:
             rate = context.rate(entry.rate, ("record", index))
-        names = {*context.names("components"), *context.names("channels")}
-        if not is_preset(pattern, names):
+        if pattern not in PRESETS:
             check_signal(context, ("record", index), pattern.partition(".")[0])
         fits = rate is not None and rate not in context.refused
         period = context.timebase.period(rate) if rate is not None and fits else None

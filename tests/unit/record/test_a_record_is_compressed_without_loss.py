@@ -20,8 +20,8 @@ from cosim.base.errors import InputError, RunError
 from cosim.base.recording import Column, RecordGroup
 from cosim.cli.record import command
 from cosim.record import digest, open_run
-from cosim.record.compression import compress, is_compressed, write_compressed
 from cosim.record.reader import RUN_FILE
+from cosim.record.rewriting.compression import compress, is_compressed, write_compressed
 from cosim.record.writer import Recorder
 from tests.support.record.synthetic_run import write
 

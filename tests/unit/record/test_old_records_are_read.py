@@ -10,7 +10,7 @@ import numpy as np
 
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import digest, open_run
-from cosim.record.compact import compact
+from cosim.record.rewriting.compact import compact
 from tests.support.record.format_1 import write_format_1
 from tests.support.record.synthetic_run import write
 

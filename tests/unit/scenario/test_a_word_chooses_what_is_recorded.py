@@ -68,10 +68,3 @@ def test_a_word_that_stands_for_nothing_is_refused_at_its_place(tmp_path: Path) 
         assemble(scenario_of(tmp_path, written())),
     ):
         pass
-
-
-def test_a_component_of_that_name_is_meant_where_there_is_one(tmp_path: Path) -> None:
-    parts = {"summary": {"fmu": "signal", "rate": 1024, "station": "a"}}
-    with assemble(scenario_of(tmp_path, written(components=parts))) as simulation:
-        names = {column.name for group in simulation.groups for column in group.columns}
-    assert {"summary.value", "summary.rate"} <= names

@@ -1,8 +1,8 @@
 """A finished record made smaller without loss: gzip 1 behind a shuffle of bytes, read everywhere.
 
-What compresses is a process of its own (``python -m cosim.record.compression FROM TO``): HDF5 on a
-full disk may end the process that it is in. The copy takes the record's place in one step, after
-it was read again and found equal; until then nothing is changed.
+What compresses is a process of its own (this module with FROM and TO as arguments): HDF5 on a full
+disk may end the process that it is in. The copy takes the record's place in one step, after it was
+read again and found equal; until then nothing is changed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def compress(folder: Path) -> Compressed | None:
             return None
         before = path.stat().st_size
         expected = digest(run)
-    command = [sys.executable, "-m", "cosim.record.compression", str(path), str(copy)]
+    command = [sys.executable, "-m", "cosim.record.rewriting.compression", str(path), str(copy)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
