@@ -23,8 +23,14 @@ Found = tuple[str, click.Command, click.Parameter]
 READ = {
     *("device check --file", "device home --file", "device calibrate --file", "keygen FILE"),
     "device conform --file",
-    *("merge RUNS", "record compact RUN", "record digest RUNS", "record export RUN"),
-    *("record list RUN", "record summary RUN", "render RUN", "ssp import FILE"),
+    *("merge RUNS", "record compact RUN", "record compress RUNS", "record digest RUNS"),
+    *(
+        "record export RUN",
+        "record list RUN",
+        "record summary RUN",
+        "render RUN",
+        "ssp import FILE",
+    ),
     *("compare ONE", "compare OTHER", "replay RUN", "runs FOLDER"),
 }
 """Paths that are read, or created by what refuses them itself (a key)."""
