@@ -72,6 +72,7 @@ class _Splitter:
 
     def split(self) -> Half:
         self._drop_turned_channels()
+        self._drop_expectations_of_the_whole()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
             if bundle.channel is not None:
                 self._cross(number, bundle)
@@ -102,6 +103,13 @@ class _Splitter:
         """A link between two machines is as it is; what a channel simulates can be turned."""
         for channel, dials in self.assembly.knobs.dials().items():
             self.dropped += [f"what turns {channel}.{dial}" for dial in sorted(dials)]
+
+    def _drop_expectations_of_the_whole(self) -> None:
+        """What is expected of a component is judged at its station, what of all of them nowhere."""
+        components = self.scenario.components
+        names = [n for n in self.scenario.expect if n.partition(".")[0] not in components]
+        if names:
+            self.dropped.append(f"expect {', '.join(names)}")
 
     def _components(self) -> dict[str, ScenarioComponent]:
         own = {

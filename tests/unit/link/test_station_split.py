@@ -62,7 +62,8 @@ def test_a_half_turns_its_own_components_and_no_channel() -> None:
         assert [(str(e.target), e.value) for e in turned] == [(f"vr_{own}.compensation.x", value)]
     for sets in ("events=[{at: 1, set: {lan.loss: 1 %}}]", "knobs={lan.loss: {maximum: 0.3}}"):
         half = split(put_together(load("two_users_box", sets=[sets])), "station_a")
-        assert half.dropped == ("what turns lan.backward.loss", "what turns lan.forward.loss")
+        turned = ("what turns lan.backward.loss", "what turns lan.forward.loss")
+        assert half.dropped[:2] == turned
         assert half.scenario.events == half.scenario.knobs == ()
 
 
@@ -187,12 +188,23 @@ def test_what_a_connection_makes_of_a_value_is_in_the_contract(tmp_path) -> None
     assert contracts(plain) != contracts(twice)
 
 
+def test_what_is_expected_of_the_whole_is_left_out_and_said() -> None:
+    sets = ["expect={lan.forward.age: {max: 20}, vr_b.drift: {max: 1 m}, drift: {below: 1 mm}}"]
+    both = put_together(load("two_users_box", sets=sets))
+    for own, kept in (("station_a", []), ("station_b", ["vr_b.drift"])):
+        half = split(both, own)
+        assert list(half.scenario.expect) == kept
+        (said,) = [text for text in half.dropped if text.startswith("expect ")]
+        assert {"lan.forward.age", "drift"} <= set(said[7:].split(", "))
+        assert "vr_b" not in said
+
+
 def test_records_of_other_stations_are_left_out_and_said(box) -> None:
     half = split(box, "station_a")
     patterns = [record.pattern for record in half.scenario.record]
     assert not any(pattern.startswith(("vr_b", "finger_b", "lan")) for pattern in patterns)
     assert "link_station_b.lan.weight" in patterns
-    assert all(text.startswith("record ") for text in half.dropped)
+    assert all(text.startswith(("record ", "expect ")) for text in half.dropped)
 
 
 def test_mistakes_are_sentences(box) -> None:
