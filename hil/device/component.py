@@ -16,8 +16,9 @@ from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import InputError, Location
 from cosim.base.system.supervised import Opening
 from hil.device.contract import Flag, Measurement, State
-from hil.device.device import CAUSES, STATES, Device
+from hil.device.device import Device
 from hil.device.driver import Driver
+from hil.device.facts import CAUSES, STATES
 from hil.device.pantograph import terminals, variables
 from hil.device.warnings import warnings_of
 from hil.safety.form import SafetyForm

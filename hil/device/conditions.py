@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from cosim.base.system.pulse import Pulse
 from cosim.base.system.sleep import SleepWatch
-from hil.device.alarm import Alarm
 from hil.device.errors import Cause
+from hil.device.life import Alarm
 from hil.safety.layer import Trip
 from hil.safety.limits import LATE_SECONDS
 from hil.safety.permission import Permission

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.system.supervised import Opening
-from hil.device.device import CAUSES, STATES
+from hil.device.facts import CAUSES, STATES
 from hil.sensing.sensor import Sensor
 from hil.sensing.sensor_driver import SensorDriver
 from hil.sensing.sensor_file import SensorFile, load, parse

@@ -13,11 +13,11 @@ from typing import Self, final
 
 from cosim.base.system.pulse import Pulse
 from cosim.base.system.supervised import DeviceCells
-from hil.device.alarm import Alarm
 from hil.device.contract import Flag, Received, State
-from hil.device.device import CAUSES, STATES
 from hil.device.errors import Cause, DeviceError, DeviceFault
+from hil.device.facts import CAUSES, STATES
 from hil.device.judge import Judge
+from hil.device.life import Alarm
 from hil.safety.layer import Trip
 from hil.safety.limits import TickLimits
 from hil.sensing.reading import SensorStatus, Wrench

@@ -11,11 +11,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from cosim.base.system.sleep import Wakefulness
-from hil.device.alarm import Alarm
 from hil.device.errors import ActivationRefused
+from hil.device.life import Alarm
 from hil.device.warnings import warnings_of
 from hil.safety.dead_man import Held, wait_until_held
 from hil.safety.permission import Permission, ask, dead_man, emulated
+from hil.setup.emulator_proof import doubt
 
 if TYPE_CHECKING:
     from hil.device.device import Device
@@ -111,11 +112,11 @@ class Session:
         if self.prompt is not None and not self.yes:
             self.prompt(f"Hold the handle of {device.name} at its home pose and press Enter: ")
             return
-        doubt = doubt_of(device)
-        if doubt is not None:
+        doubtful = doubt_of(device)
+        if doubtful is not None:
             raise ActivationRefused(
                 f"{device.name} is not homed: nobody is at a terminal to hold its handle at the "
-                f"home pose, and it did not prove to be an emulator ({doubt})"
+                f"home pose, and it did not prove to be an emulator ({doubtful})"
             )
 
     def ask_ahead(self, device: Device) -> None:
@@ -139,8 +140,6 @@ class Session:
 
 def doubt_of(device: Device) -> str | None:
     """Why a configured device may not be an emulator; ``None`` where it is one."""
-    from hil.emulation.proof import doubt
-
     return None if device.in_process else doubt(device)
 
 

@@ -114,12 +114,19 @@ def _made() -> tuple[Device, CanBus]:
     bus = CanBus(
         name="fake", port=PythonCanPort(FakeBus()), key=("fake", "can0"), bitrate=1e6, budget=0.0
     )
-    bus.users[device] = ()
-    device._bus, device._nodes, device._sequence, device._closed = bus, (0, 1), 0, False
-    device._expired_bit = 0x01000000
-    device._silence, device._silent_ticks, device._running = {0: 0, 1: 0}, 31, False
-    device._seen, device._beats, device._states = {0: 0, 1: 0}, {0: 0, 1: 0}, {0: 0, 1: 0}
-    device.state = State.INACTIVE
+    driver: Any = device.driver
+    bus.users[driver] = ()
+    driver._bus, driver._nodes, driver._sequence, driver._closed = bus, (0, 1), 0, False
+    driver._expired_bit, driver._expired = 0x01000000, set()
+    driver._silence, driver._silent_ticks, driver._running = {0: 0, 1: 0}, 31, False
+    driver._seen, driver._beats, driver._states = {0: 0, 1: 0}, {0: 0, 1: 0}, {0: 0, 1: 0}
+    device._life.state = State.INACTIVE
+    for node in (0, 1):
+        bus.port.raw.inbox.append(
+            (odrive.identifier(node, odrive.OdriveCommand.ESTIMATES), bytes(8))
+        )
+    assert device.read(-1).sample_age == 0, "frames that are in order are read"
+    assert device.state is State.INACTIVE, device.fault_sentence()
     return device, bus
 
 

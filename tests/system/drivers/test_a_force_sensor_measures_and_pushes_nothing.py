@@ -20,9 +20,9 @@ from click.testing import CliRunner
 from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.record.reader import open_run
-from hil.device.alarm import Alarm
 from hil.device.contract import State
 from hil.device.errors import Cause, DeviceError
+from hil.device.life import Alarm
 from hil.drivers.force_sensor.driver import ForceSensorDriver
 from hil.drivers.force_sensor.preset import KNOWN
 from hil.emulation.launch import Emulator, Order

@@ -9,7 +9,7 @@ import pytest
 from hil.device.contract import ZERO, State, Status
 from hil.device.errors import ActivationRefused
 from hil.emulation.plant import SimulatedPantograph
-from hil.emulation.proof import doubt
+from hil.setup.emulator_proof import doubt
 from tests.support.hil.driver_bench import DRIVERS, SETUPS, Bench, Rig
 
 every_driver = pytest.mark.parametrize("rig", DRIVERS, indirect=True)

@@ -50,6 +50,11 @@ def released(device: Device, wire: MotorWire) -> None:
     device.permission = dead_man(device.name, lambda: next(held, False), device.permission)
 
 
+def alarmed(device: Device, wire: MotorWire) -> None:
+    del wire
+    device._life.alarm.raise_for("the other")
+
+
 HAPLY, NOBODY, EVERYBODY = frozenset({"haply"}), frozenset[str](), frozenset(BOARDS)
 CASES = {
     "nothing": Case(faults=NOBODY),
@@ -68,7 +73,9 @@ CASES = {
     "unplugged": Case(WireFault(gone=True)),
     "board restarts": Case(does=lambda _, wire: wire.restart()),
     "dead man released": Case(does=released),
-    "another device in FAULT": Case(does=lambda device, _: device._alarm.raise_for("the other")),
+    "another device in FAULT": Case(
+        does=lambda device, _: device._life.alarm.raise_for("the other")
+    ),
     "command is no number": Case(command=(nan, 0.0)),
     "command leaps": Case(command=(9.0, -9.0), faults=NOBODY),
 }

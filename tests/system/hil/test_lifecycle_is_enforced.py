@@ -7,7 +7,6 @@ from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from cosim.base.errors import InputError
-from hil.device.alarm import Alarm
 from hil.device.contract import Flag, State, Status, Watchdog, WriteOutcome
 from hil.device.device import Device
 from hil.device.errors import (
@@ -18,6 +17,7 @@ from hil.device.errors import (
     DeviceGone,
     LifecycleError,
 )
+from hil.device.life import Alarm
 from hil.drivers.mock.driver import MockDriver
 from hil.setup.device_file import parse as parse_file
 from tests.support.hil.hil_bench import REST, Puppet, mock, rested, run
@@ -111,7 +111,7 @@ def test_a_driver_knows_nothing_of_what_stands_between_command_and_motor():
     """It has no device, no safety layer, no state and no permission to change."""
     device = mock(Puppet())
     held = {id(value) for value in vars(device.driver).values()}
-    for part in (device, device.safety, device._latch, device._samples, device.permission):
+    for part in (device, device.safety, device._life, device._samples, device.permission):
         assert id(part) not in held
     assert Device.__final__
 
