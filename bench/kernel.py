@@ -59,10 +59,14 @@ void *memset(void *a, int v, size_t n)
 """
 
 
-def pairs(operation: OperationStruct) -> list[tuple[int, int]]:
+def pairs(operation: OperationStruct, count: int) -> list[tuple[int, int]]:
     """The cells that a copy goes from and to."""
     table = ctypes.cast(operation.table, ctypes.POINTER(ctypes.c_int32))
-    return [(table[2 * i], table[2 * i + 1]) for i in range(operation.cell_count)]
+    return [(table[2 * i], table[2 * i + 1]) for i in range(count)]
+
+
+def copies(operation: OperationStruct, count: int) -> str:
+    return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation, count))
 
 
 def statements(simulation: Simulation) -> list[str]:
@@ -97,7 +101,7 @@ def statement(simulation: Simulation, operation: OperationStruct, base: int) -> 
     """What the bare loop does in place of one operation."""
     kind = OperationKind(operation.kind)
     if kind is OperationKind.COPY:
-        return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation))
+        return copies(operation, operation.cell_count)
     if kind in {
         OperationKind.SET,
         OperationKind.GET,
@@ -127,7 +131,7 @@ def access(
         f"P(const uint32_t *, {operation.references}ULL), {n}, {buffer}{more});"
     )
     if direct:
-        return call
+        return f"{copies(operation, operation.copy_count)} {call}"
     kind_name, field = C_TYPES[operation.type], "r" if operation.type == 1 else "i"
     scratch = f"P({kind_name} *, {operation.scratch}ULL)"
     loop = f"for (int j = 0; j < {values}; j++)"
@@ -166,20 +170,20 @@ def packet(simulation: Simulation, operation: OperationStruct, kind: OperationKi
     sources = [layout.of(entry.source) for entry in bundle.entries]
     held = layout.held[number]
     if kind is OperationKind.SAMPLE:
-        return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation))
+        return copies(operation, operation.cell_count)
     if kind is OperationKind.SEND:
         if delay == 0:
             return ""
         row = f"ring{number} + (k / {period}) % {slots} * {width}"
-        copies = " ".join(f"q[{i}] = c[{source}];" for i, source in enumerate(sources))
-        return f"Cell *q = {row}; {copies}"
+        packed = " ".join(f"q[{i}] = c[{source}];" for i, source in enumerate(sources))
+        return f"Cell *q = {row}; {packed}"
     age, sequence = layout.age[number], layout.sequence[number]
     if delay == 0:
         return f"c[{age}].i = k % {period}; if (k % {period} == 0) c[{sequence}].i = k / {period};"
     row = f"ring{number} + ((k - {delay}) / {period}) % {slots} * {width}"
-    copies = " ".join(f"c[{held + i}] = q[{i}];" for i in range(width))
+    unpacked = " ".join(f"c[{held + i}] = q[{i}];" for i in range(width))
     return (
-        f"if (k >= {delay} && (k - {delay}) % {period} == 0) {{ const Cell *q = {row}; {copies} "
+        f"if (k >= {delay} && (k - {delay}) % {period} == 0) {{ const Cell *q = {row}; {unpacked} "
         f"c[{sequence}].i = (k - {delay}) / {period}; c[{age}].i = {delay}; }} "
         f"else c[{age}].i++;"
     )

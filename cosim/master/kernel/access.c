@@ -1,27 +1,6 @@
-/* Setting, getting and stepping through the raw functions of FMI 2.0 and FMI 3.0. */
+/* Setting and getting of values that are not reals, and steps that are parts of a period. */
 
-#include "kernel.h"
-
-static int call(const Operation *op, void *instance, void *values)
-{
-    size_t references = (size_t)op->reference_count;
-    if (op->version == 2)
-        return ((Access2)op->function)(instance, op->references, references, values);
-    return ((Access3)op->function)(instance, op->references, references, values,
-                                   (size_t)op->cell_count);
-}
-
-static Outcome judge(Kernel *kernel, int status, int64_t *warnings)
-{
-    if (status == STATUS_OK)
-        return OUTCOME_DONE;
-    if (status == STATUS_WARNING) {
-        ++*warnings;
-        return OUTCOME_DONE;
-    }
-    kernel->status = status;
-    return OUTCOME_STATUS;
-}
+#include "direct.h"
 
 #define UNPACK(TYPE, FIELD)                                                                       \
     for (int64_t i = 0; i < op->cell_count; i++)                                                  \
@@ -103,18 +82,6 @@ static int64_t pack(const Operation *op)
     return -1;
 }
 
-static Outcome refuse_nan(Kernel *kernel, const Operation *op)
-{
-    for (int64_t i = 0; i < op->cell_count; i++) {
-        double value = op->cells[i].real;
-        if (value != value) {
-            kernel->cell = &op->cells[i] - kernel->cells;
-            return OUTCOME_NOT_A_NUMBER;
-        }
-    }
-    return OUTCOME_DONE;
-}
-
 /* A UInt64 that a cell, which has a sign, would wrap. */
 static Outcome refuse_beyond_a_cell(Kernel *kernel, const Operation *op)
 {
@@ -127,26 +94,24 @@ static Outcome refuse_beyond_a_cell(Kernel *kernel, const Operation *op)
     return OUTCOME_DONE;
 }
 
-Outcome get_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
+Outcome get_values(Kernel *kernel, const Operation *op, Instance *instance)
 {
-    bool direct = op->kind == KIND_GET_FLOAT64;
-    Outcome outcome = judge(kernel, call(op, instance, direct ? (void *)op->cells : op->scratch),
-                            warnings);
+    Outcome outcome = judge_status(kernel, call_access(op, instance->instance, op->scratch),
+                                   &instance->warnings);
     if (outcome != OUTCOME_DONE)
         return outcome;
-    if (!direct)
-        unpack(op);
-    if (direct || op->type == TYPE_FLOAT32)
+    unpack(op);
+    if (op->type == TYPE_FLOAT32)
         return refuse_nan(kernel, op);
     if (op->type == TYPE_UINT64)
         return refuse_beyond_a_cell(kernel, op);
     return OUTCOME_DONE;
 }
 
-Outcome set_values(Kernel *kernel, const Operation *op, void *instance, int64_t *warnings)
+Outcome set_values(Kernel *kernel, const Operation *op, Instance *instance)
 {
     if (op->type == TYPE_FLOAT64)
-        return judge(kernel, call(op, instance, op->cells), warnings);
+        return set_reals(kernel, op, instance);
     int64_t misfit = outside(op);
     if (misfit < 0)
         misfit = pack(op);
@@ -154,32 +119,19 @@ Outcome set_values(Kernel *kernel, const Operation *op, void *instance, int64_t 
         kernel->cell = &op->cells[misfit] - kernel->cells;
         return OUTCOME_RANGE;
     }
-    return judge(kernel, call(op, instance, op->scratch), warnings);
+    return judge_status(kernel, call_access(op, instance->instance, op->scratch),
+                        &instance->warnings);
 }
 
-/* One period of an instance: `substeps` equal steps. Each time is a ratio of integers that are
-   exact in a double, so it is rounded once. */
-Outcome do_step(Kernel *kernel, Instance *instance)
+/* One period of an instance in equal steps; the time of each is rounded once, as that of a tick. */
+Outcome step_in_parts(Kernel *kernel, Instance *instance)
 {
     double denominator = (double)(instance->substeps * kernel->tick_denominator);
     for (int64_t i = 0; i < instance->substeps; i++) {
         int64_t ticks = (kernel->start_tick + kernel->tick) * instance->substeps
                       + i * instance->period;
         double time = (double)(ticks * kernel->tick_numerator) / denominator;
-        int status;
-        if (instance->version == 2) {
-            status = ((Step2)instance->do_step)(instance->instance, time, instance->step, 1);
-        } else {
-            bool event = false, terminate = false, early_return = false;
-            double last_time = time;
-            status = ((Step3)instance->do_step)(instance->instance, time, instance->step, true,
-                                                &event, &terminate, &early_return, &last_time);
-            if (status <= STATUS_WARNING && early_return)
-                return OUTCOME_EARLY_RETURN;
-            if (status <= STATUS_WARNING && terminate)
-                return OUTCOME_TERMINATED;
-        }
-        Outcome outcome = judge(kernel, status, &instance->warnings);
+        Outcome outcome = step_once(kernel, instance, time);
         if (outcome != OUTCOME_DONE)
             return outcome;
     }

@@ -1,11 +1,11 @@
 /* Running the plan: one program of operations a tick, in chunks of ticks. */
 
-#include "kernel.h"
+#include "direct.h"
 
-static void copy(Cell *cells, const int32_t *pairs, int64_t count)
+static inline void copy(Cell *cells, const int32_t *pairs, int64_t count)
 {
-    for (int64_t i = 0; i < count; i++)
-        cells[pairs[2 * i + 1]] = cells[pairs[2 * i]];
+    for (const int32_t *end = pairs + 2 * count; pairs != end; pairs += 2)
+        cells[pairs[1]] = cells[pairs[0]];
 }
 
 static void convert(Cell *cells, const Conversion *conversions, int64_t count)
@@ -30,30 +30,74 @@ static bool record(Record *target, const Cell *cells, const int32_t *columns, in
 
 /* A foreign FMU may change how the processor computes, mostly in its first calls. Looking costs more
    than a small FMU's step, so that after some ticks it is done once a tick; who was found to change
-   it is looked at after every call from then on. */
+   it is looked at after every call from then on. Our own FMUs are never looked at. */
 static void look_at_mode(Kernel *kernel)
 {
     if (kernel_restore_float_mode(kernel->float_mode))
         kernel->careful = INT64_MAX;
 }
 
-static void guard(Kernel *kernel, const Instance *instance)
+static inline void guard(Kernel *kernel, const Instance *instance)
 {
-    if (kernel->careful && instance->foreign)
+    if (__builtin_expect(kernel->careful != 0, 0) && instance->foreign)
         look_at_mode(kernel);
 }
+
+/* Operations of one kind mostly follow one another: so many FMUs are read, set and stepped in turn,
+   and to go on within a kind costs less than to find out which one it is. Where it ends before the
+   run does, `op` is left at the operation that failed. */
+#define RUN(NAME, DOES)                                                                           \
+    static __attribute__((noinline)) Outcome NAME(Kernel *kernel, const Operation **failed,       \
+                                                  int64_t count, double time)                     \
+    {                                                                                             \
+        const Operation *op = *failed;                                                            \
+        Instance *const instances = kernel->instances;                                            \
+        (void)time;                                                                               \
+        for (const Operation *end = op + count; op != end; op++) {                                \
+            Instance *instance = &instances[op->owner];                                           \
+            kernel->owner = op->owner;                                                            \
+            Outcome outcome = DOES;                                                               \
+            guard(kernel, instance);                                                              \
+            if (__builtin_expect(outcome != OUTCOME_DONE, 0)) {                                   \
+                *failed = op;                                                                     \
+                return outcome;                                                                   \
+            }                                                                                     \
+        }                                                                                         \
+        return OUTCOME_DONE;                                                                      \
+    }
+
+static inline Outcome copy_and_set(Kernel *kernel, const Operation *op, Instance *instance)
+{
+    copy(kernel->cells, op->table, op->copy_count);
+    return set_reals(kernel, op, instance);
+}
+
+static inline Outcome step(Kernel *kernel, Instance *instance, double time)
+{
+    return __builtin_expect(instance->substeps == 1, 1)
+             ? step_once(kernel, instance, time)
+             : step_in_parts(kernel, instance);
+}
+
+RUN(set_run, copy_and_set(kernel, op, instance))
+RUN(get_run, get_reals(kernel, op, instance))
+RUN(step_run, step(kernel, instance, time))
 
 /* Runs the rest of the current program. */
 static Outcome execute(Kernel *kernel)
 {
-    const int32_t *program = kernel->program + kernel->program_start[kernel->running];
-    int64_t count = kernel->program_start[kernel->running + 1]
-                  - kernel->program_start[kernel->running];
-    Cell *cells = kernel->cells;
+    const int64_t start = kernel->program_start[kernel->running];
+    const int32_t *const program = kernel->program + start;
+    const int32_t *const run_length = kernel->run_length + start;
+    const int64_t count = kernel->program_start[kernel->running + 1] - start;
+    int64_t position = kernel->position; /* written back where the loop is left */
+    Cell *const cells = kernel->cells;
+    const double time = time_of_tick(kernel);
 
-    while (kernel->position < count) {
-        int32_t number = program[kernel->position++];
-        const Operation *op = &kernel->operations[number];
+    while (position < count) {
+        const int32_t number = program[position];
+        const Operation *const first = &kernel->operations[number], *op = first;
+        const int64_t length = run_length[position];
         Instance *instance;
         Outcome outcome = OUTCOME_DONE;
         kernel->kind = op->kind;
@@ -66,20 +110,22 @@ static Outcome execute(Kernel *kernel)
             convert(cells, op->table, op->cell_count);
             break;
         case KIND_SET_FLOAT64:
-        case KIND_SET:
-            instance = &kernel->instances[op->owner];
-            outcome = set_values(kernel, op, instance->instance, &instance->warnings);
-            guard(kernel, instance);
+            outcome = set_run(kernel, &op, length, time);
             break;
         case KIND_GET_FLOAT64:
-        case KIND_GET:
-            instance = &kernel->instances[op->owner];
-            outcome = get_values(kernel, op, instance->instance, &instance->warnings);
-            guard(kernel, instance);
+            outcome = get_run(kernel, &op, length, time);
             break;
         case KIND_STEP:
+            outcome = step_run(kernel, &op, length, time);
+            break;
+        case KIND_SET:
             instance = &kernel->instances[op->owner];
-            outcome = do_step(kernel, instance);
+            outcome = set_values(kernel, op, instance);
+            guard(kernel, instance);
+            break;
+        case KIND_GET:
+            instance = &kernel->instances[op->owner];
+            outcome = get_values(kernel, op, instance);
             guard(kernel, instance);
             break;
         case KIND_CALL:
@@ -106,11 +152,14 @@ static Outcome execute(Kernel *kernel)
         default:
             break;
         }
-        if (outcome != OUTCOME_DONE) {
-            kernel->operation = number;
+        if (__builtin_expect(outcome != OUTCOME_DONE, 0)) {
+            kernel->position = position + (op - first) + 1;
+            kernel->operation = number + (op - first);
             return outcome;
         }
+        position += length;
     }
+    kernel->position = position;
     return OUTCOME_DONE;
 }
 
@@ -128,7 +177,8 @@ EXPORT int32_t kernel_run(Kernel *kernel, int64_t end)
             kernel->running = kernel->tick == 0 ? kernel->first_program
                                                 : kernel->pattern[kernel->phase];
             kernel->position = 0;
-            apply_changes(kernel);
+            if (kernel->next_change < kernel->change_count)
+                apply_changes(kernel);
         }
         Outcome outcome = execute(kernel);
         if (outcome != OUTCOME_DONE)

@@ -110,6 +110,7 @@ typedef struct {
     void *scratch;      /* room for cell_count values of `type` */
     /* pairs of int32 (from, to), Conversions, int32 columns, Ranges (set), or a Knob (tune) */
     const void *table;
+    int64_t copy_count; /* pairs that are copied first (set of reals) */
 } Operation;
 
 /* An FMU instance and its constant step. */
@@ -162,6 +163,8 @@ typedef struct {
     Cell *cells;
     const Operation *operations;
     const int32_t *program;       /* operation numbers of all programs, one after another */
+    const int32_t *run_length;    /* for each of them: so many operations that lie side by side are of
+                                     one kind from there on, 1 for kinds that come one by one */
     const int64_t *program_start; /* program count + 1 */
     const int32_t *pattern;       /* program of each tick of the hyperperiod */
     int64_t hyperperiod;
@@ -282,9 +285,9 @@ typedef int (*Step2)(void *instance, double time, double step, int no_set_state_
 typedef int (*Step3)(void *instance, double time, double step, bool no_set_state_before,
                      bool *event, bool *terminate, bool *early_return, double *last_time);
 
-Outcome get_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
-Outcome set_values(Kernel *kernel, const Operation *operation, void *instance, int64_t *warnings);
-Outcome do_step(Kernel *kernel, Instance *instance);
+Outcome get_values(Kernel *kernel, const Operation *operation, Instance *instance);
+Outcome set_values(Kernel *kernel, const Operation *operation, Instance *instance);
+Outcome step_in_parts(Kernel *kernel, Instance *instance);
 
 void apply_changes(Kernel *kernel);
 Outcome tune(Kernel *kernel, const Operation *operation);

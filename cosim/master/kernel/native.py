@@ -114,6 +114,7 @@ class OperationStruct(ctypes.Structure):
         ("cell_count", c_int64),
         ("scratch", c_void_p),
         ("table", c_void_p),
+        ("copy_count", c_int64),
     ]
 
 
@@ -178,6 +179,7 @@ class KernelStruct(ctypes.Structure):
         ("cells", c_void_p),
         ("operations", c_void_p),
         ("program", c_void_p),
+        ("run_length", c_void_p),
         ("program_start", c_void_p),
         ("pattern", c_void_p),
         ("hyperperiod", c_int64),

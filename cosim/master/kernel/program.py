@@ -42,6 +42,26 @@ _CAREFUL_TICKS = 64
 _CALLS = {Act.READ: "read", Act.GET: "evaluate", Act.WRITE: "write", Act.STEP: "step"}
 
 
+_RUNS = (OperationKind.SET_FLOAT64, OperationKind.GET_FLOAT64, OperationKind.STEP)
+"""Kinds of which the kernel does several in one go, where they lie side by side."""
+
+
+def _run_lengths(
+    flat: NDArray[np.int32], kinds: NDArray[np.int32], starts: NDArray[np.int64]
+) -> NDArray[np.int32]:
+    """Of each number in the programs: how many neighbours of its kind follow it, it included."""
+    if not len(flat):
+        return flat
+    kind = kinds[flat]
+    goes_on = np.zeros(len(flat), dtype=bool)
+    goes_on[:-1] = (np.diff(flat) == 1) & (kind[1:] == kind[:-1]) & np.isin(kind[:-1], _RUNS)
+    ends = starts[1:-1]
+    goes_on[ends[(ends > 0) & (ends <= len(flat))] - 1] = False
+    last = np.flatnonzero(~goes_on)
+    places = np.arange(len(flat))
+    return (last[np.searchsorted(last, places)] - places + 1).astype(np.int32)
+
+
 class Native(Protocol):
     """What the program needs of a loaded FMU."""
 
@@ -206,13 +226,16 @@ class Program:
         shifted = (pattern + _EVERY).astype(np.int32)
         operations = (OperationStruct * max(len(self._operations), 1))(*self._operations)
         self._operation_array = operations
-        self._keep += [starts, flat, shifted, operations]
+        kinds = np.array([operation.kind for operation in self._operations], dtype=np.int32)
+        lengths = _run_lengths(flat, kinds, starts)
+        self._keep += [starts, flat, shifted, operations, lengths]
 
         tick = self.clock.tick
         kernel = self.kernel
         kernel.cells = self.cells.ctypes.data
         kernel.operations = ctypes.addressof(operations)
         kernel.program = flat.ctypes.data
+        kernel.run_length = lengths.ctypes.data
         kernel.program_start = starts.ctypes.data
         kernel.pattern = shifted.ctypes.data
         kernel.hyperperiod = hyperperiod
@@ -237,12 +260,11 @@ class Program:
         if isinstance(unit, int):
             yield from self._bundle_operations(action, unit)
         elif action.act is Act.SET:
-            yield from self._copies(unit, action.names)
-            if unit in self._natives:
-                set_always = [
-                    name for name in action.names if (unit, name) not in self.turning.knobs
-                ]
-                yield from self._accesses(unit, set_always, is_set=True)
+            set_always = [name for name in action.names if (unit, name) not in self.turning.knobs]
+            if unit not in self._natives or not set_always:
+                yield from self._copies(unit, action.names)
+            else:
+                yield from self._copies_and_sets(unit, action.names, set_always)
             if unit in self.parts:
                 yield from self._tunes(unit, action.names)
         elif action.act is Act.TUNE:
@@ -304,6 +326,22 @@ class Program:
             yield OperationStruct(
                 kind=OperationKind.CONVERT, cell_count=len(converted), table=ctypes.addressof(table)
             )
+
+    def _copies_and_sets(
+        self, unit: str, names: Iterable[str | int], set_always: list[str | int]
+    ) -> Iterable[OperationStruct]:
+        """Plain copies alone, before reals are set, are made by the operation that sets them."""
+        copies = list(self._copies(unit, names))
+        first = min((str(name) for name in set_always), key=lambda n: self.layout.cells[unit, n])
+        is_real = self.parts[unit].interface.variables[first].type is VariableType.FLOAT64
+        if not is_real or [each.kind for each in copies] != [OperationKind.COPY]:
+            yield from copies
+            copies = []
+        for operation in self._accesses(unit, set_always, is_set=True):
+            for copy in copies:
+                operation.table, operation.copy_count = copy.table, copy.cell_count
+            copies = []
+            yield operation
 
     def _accesses(
         self, unit: str, names: Iterable[str | int], *, is_set: bool

@@ -35,7 +35,7 @@ Outcome tune(Kernel *kernel, const Operation *op)
     if (op->function == NULL)
         return OUTCOME_DONE; /* a Python component reads the cells */
     Instance *instance = &kernel->instances[op->owner];
-    const Outcome outcome = set_values(kernel, op, instance->instance, &instance->warnings);
+    const Outcome outcome = set_values(kernel, op, instance);
     if (instance->foreign)
         kernel_restore_float_mode(kernel->float_mode);
     return outcome;

@@ -1,0 +1,78 @@
+/* What the loop does most: reals that go between cells and an FMU as they are, and steps. In a header,
+   so that the loop calls nothing but the FMU: it is as fast as the same calls written out. */
+
+#ifndef COHAPTIC_DIRECT_H
+#define COHAPTIC_DIRECT_H
+
+#include "kernel.h"
+
+static inline int call_access(const Operation *op, void *instance, void *values)
+{
+    size_t references = (size_t)op->reference_count;
+    if (op->version == 2)
+        return ((Access2)op->function)(instance, op->references, references, values);
+    return ((Access3)op->function)(instance, op->references, references, values,
+                                   (size_t)op->cell_count);
+}
+
+static inline Outcome judge_status(Kernel *kernel, int status, int64_t *warnings)
+{
+    if (__builtin_expect(status == STATUS_OK, 1))
+        return OUTCOME_DONE;
+    if (status == STATUS_WARNING) {
+        ++*warnings;
+        return OUTCOME_DONE;
+    }
+    kernel->status = status;
+    return OUTCOME_STATUS;
+}
+
+static inline Outcome refuse_nan(Kernel *kernel, const Operation *op)
+{
+    for (const Cell *cell = op->cells, *end = cell + op->cell_count; cell != end; cell++)
+        if (__builtin_expect(cell->real != cell->real, 0)) {
+            kernel->cell = cell - kernel->cells;
+            return OUTCOME_NOT_A_NUMBER;
+        }
+    return OUTCOME_DONE;
+}
+
+static inline Outcome get_reals(Kernel *kernel, const Operation *op, Instance *instance)
+{
+    Outcome outcome = judge_status(kernel, call_access(op, instance->instance, op->cells),
+                                   &instance->warnings);
+    return outcome == OUTCOME_DONE ? refuse_nan(kernel, op) : outcome;
+}
+
+static inline Outcome set_reals(Kernel *kernel, const Operation *op, Instance *instance)
+{
+    return judge_status(kernel, call_access(op, instance->instance, op->cells),
+                        &instance->warnings);
+}
+
+static inline Outcome step_once(Kernel *kernel, Instance *instance, double time)
+{
+    int status;
+    if (instance->version == 2) {
+        status = ((Step2)instance->do_step)(instance->instance, time, instance->step, 1);
+    } else {
+        bool event = false, terminate = false, early_return = false;
+        double last_time = time;
+        status = ((Step3)instance->do_step)(instance->instance, time, instance->step, true, &event,
+                                            &terminate, &early_return, &last_time);
+        if (status <= STATUS_WARNING && early_return)
+            return OUTCOME_EARLY_RETURN;
+        if (status <= STATUS_WARNING && terminate)
+            return OUTCOME_TERMINATED;
+    }
+    return judge_status(kernel, status, &instance->warnings);
+}
+
+/* The time (s) of a tick: a ratio of integers that are exact in a double, so it is rounded once. */
+static inline double time_of_tick(const Kernel *kernel)
+{
+    int64_t tick = kernel->start_tick + kernel->tick;
+    return (double)(tick * kernel->tick_numerator) / (double)kernel->tick_denominator;
+}
+
+#endif
