@@ -15,7 +15,8 @@ from hil.device.errors import ProtocolError
 from hil.drivers.canopen import driver as module
 from hil.drivers.canopen import protocol as canopen
 from hil.drivers.canopen.driver import CanopenDriver
-from hil.drivers.canopen.emulator import TORQUE_PER_CODE, CanopenBoard
+from hil.drivers.canopen.emulated_node import TORQUE_PER_CODE
+from hil.drivers.canopen.emulator import CanopenBoard
 from hil.drivers.canopen.set_up import Found
 from hil.emulation.board import BoardFrame
 from hil.emulation.world import World

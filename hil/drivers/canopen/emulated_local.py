@@ -10,7 +10,6 @@ from typing import Any
 
 import canopen
 
-from hil.drivers.canopen.emulated_objects import dictionary
 from hil.emulation.board import BoardFrame, Unit
 
 
@@ -66,8 +65,8 @@ class LocalWire(canopen.Network):
 class Local(canopen.LocalNode):
     """The package's local node, which remembers the values that every tick needs."""
 
-    def __init__(self, number: int) -> None:
-        super().__init__(number, dictionary(number))
+    def __init__(self, number: int, objects: canopen.ObjectDictionary) -> None:
+        super().__init__(number, objects)
         self._known: dict[tuple[int, int], int] = {}
 
     def value(self, index: int, subindex: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, cast
 
 import canopen
@@ -56,17 +57,30 @@ As it comes from its maker: event-driven, and with a second transmit PDO that no
 
 
 def dictionary(node: int) -> canopen.ObjectDictionary:
-    """The dictionary of one node."""
+    """The dictionary of one node with encoders and outputs."""
+    return dictionary_of(node, VARIABLES, LISTS, PDOS)
+
+
+def dictionary_of(
+    node: int,
+    variables: Sequence[tuple[int, str, int, str, Any]],
+    lists: Sequence[tuple[int, str, str, list[tuple[str, int, int]]]],
+    pdos: Sequence[tuple[int, int, str, int, int, tuple[int, ...]]],
+) -> canopen.ObjectDictionary:
+    """A dictionary of what is in such tables; a PDO may have an event timer (sub-index 5)."""
     made = canopen.ObjectDictionary()
-    for index, name, kind, access, default in VARIABLES:
+    for index, name, kind, access, default in variables:
         made.add_object(_variable((index, 0), name, kind, access, default))
-    for index, name, access, members in LISTS:
+    for index, name, access, members in lists:
         entries = [(*member, access) for member in members]
         made.add_object(_filled(ODArray(name, index), entries, "ro"))
-    for parameters, mapping, name, identifier, kind, mapped in PDOS:
+    for parameters, mapping, name, identifier, kind, mapped in pdos:
         entries = [
             ("COB-ID", U32, identifier + node, "rw"),
             ("Transmission type", U8, kind, "rw"),
+            ("Inhibit time", U16, 0, "rw"),
+            ("Reserved", U8, 0, "rw"),
+            ("Event timer", U16, 0, "rw"),
         ]
         made.add_object(_filled(ODRecord(name, parameters), entries, "ro"))
         entries = [(f"Entry {n}", U32, each, "rw") for n, each in enumerate(mapped, start=1)]

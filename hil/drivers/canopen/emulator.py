@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import struct
+from collections.abc import Callable, Mapping
 
 from canopen.sdo.exceptions import SdoError
 
 from hil.drivers.canopen.emulated_local import LocalWire
+from hil.drivers.canopen.emulated_mapping import MappedNode
 from hil.drivers.canopen.emulated_node import Axes, EmulatedNode
 from hil.emulation.board import Board, BoardFrame, Unit
 from hil.emulation.faults import FaultKind
@@ -15,8 +17,6 @@ from hil.emulation.launch import Made, Order, on_can
 from hil.emulation.world import World
 
 SYNC = 0x080
-TORQUE_PER_CODE = 10.0 / 32767 * 0.5 * 0.0364
-"""A DAC of +-10 V, an amplifier of 0.5 A/V and a motor of 0.0364 N.m/A (N.m)."""
 HARDWARE, HARDWARE_ERROR = 0x5000, 0x81
 """Emergency and error register (generic and manufacturer specific) of an alarm."""
 
@@ -40,18 +40,19 @@ def axes(nodes: tuple[int, ...]) -> dict[int, Axes]:
             }
 
 
-class CanopenBoard(Board):
-    """Everything of ours on the bus."""
+class NodesBoard(Board):
+    """Everything of ours on the bus, whatever the nodes' profile: ``made`` makes them."""
 
     def __init__(
-        self, world: World, *, nodes: tuple[int, ...] = (1,), tick: float = 1 / 1024
+        self,
+        world: World,
+        made: Callable[[LocalWire, World], Mapping[int, MappedNode]],
+        *,
+        tick: float = 1 / 1024,
     ) -> None:
         super().__init__(world)
         self._wire, self._tick, self._time = LocalWire(), tick, 0.0
-        self._nodes = {
-            number: EmulatedNode(number, its, self._wire, world)
-            for number, its in axes(nodes).items()
-        }
+        self._nodes = made(self._wire, world)
         self._wire.taken()  # nobody was there to see the nodes boot
         self._had: set[int] = set()
 
@@ -127,9 +128,25 @@ class CanopenBoard(Board):
         torque = [0.0, 0.0]
         for node in self._nodes.values():
             node.drive()
-            for channel, joint in node.its.outputs.items():
-                torque[joint] = node.driven[channel] * TORQUE_PER_CODE
+            for joint, value in node.torque().items():
+                torque[joint] = value
         self.world.torque = (torque[0], torque[1])
+
+
+class CanopenBoard(NodesBoard):
+    """Nodes with encoders and analogue outputs."""
+
+    def __init__(
+        self, world: World, *, nodes: tuple[int, ...] = (1,), tick: float = 1 / 1024
+    ) -> None:
+        super().__init__(
+            world,
+            lambda wire, world: {
+                number: EmulatedNode(number, its, wire, world)
+                for number, its in axes(nodes).items()
+            },
+            tick=tick,
+        )
 
 
 def make(order: Order, world: World) -> Made:

@@ -24,6 +24,10 @@ EVERY_SYNC, AT_ONCE = 1, 255
 """Transmission types: sampled and sent at each SYNC; taken over on reception."""
 
 
+HEARTBEAT_MISSING, RPDO_MISSING = 0x8130, 0x8250
+"""Emergency codes of a node that misses our heartbeat, or a receive PDO by its timer (CiA 301)."""
+
+
 class NmtCommand(IntEnum):
     """What a master asks of a node."""
 
@@ -144,6 +148,8 @@ _MEANINGS = (
     (0xFF00, "device specific"),
     (0xF000, "additional functions"),
     (0x9000, "external"),
+    (0x8260, "protocol"),
+    (0x8250, "the master's commands are missing"),
     (0x8200, "protocol"),
     (0x8130, "the master's heartbeat is missing"),
     (0x8100, "communication"),

@@ -43,6 +43,9 @@ Milliseconds = Annotated[
         unit="ms", what="time in whole ms, such as 5 or '5 ms'", least=1, most=1000, whole=True
     ),
 ]
+SetupSeconds = Annotated[
+    float, QuantityIn(unit="s", what="time, such as 5 or '500 ms'", above=0, most=600)
+]
 
 
 class CanopenOptions(CanOptions):
@@ -77,9 +80,9 @@ class CanopenSettings(DriverSettings):
     watchdog: Milliseconds = Field(
         default=WATCHDOG_MS, description="How long a node lets us be silent (ms)."
     )
-    timeout: Annotated[
-        float, QuantityIn(unit="s", what="time, such as 5 or '500 ms'", above=0, most=600)
-    ] = Field(default=TIMEOUT_SECONDS, description="For an answer during set-up (s).")
+    timeout: SetupSeconds = Field(
+        default=TIMEOUT_SECONDS, description="For an answer during set-up (s)."
+    )
 
     @model_validator(mode="after")
     def _both_differ(self) -> CanopenSettings:

@@ -16,6 +16,7 @@ import serial
 from hil.device.component import DeviceComponent, begin_emulated_motion
 from hil.device.errors import DeviceError
 from hil.drivers.canopen import driver as canopen
+from hil.drivers.canopen import master as canopen_master
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.setup.registry import find
@@ -91,9 +92,9 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
     monkeypatch.setattr(can_bus, "SocketCanPort", lambda channel: PythonCanPort(opened(channel)))
     monkeypatch.setattr(can_bus, "_OPEN", {})
     monkeypatch.setattr(canopen, "set_up", set_up)
-    monkeypatch.setattr(canopen, "SETUP_TICKS", 3)
+    monkeypatch.setattr(canopen_master, "SETUP_TICKS", 3)
     clock = count()
-    monkeypatch.setattr(canopen, "monotonic", lambda: next(clock) * 0.01)
+    monkeypatch.setattr(canopen_master, "monotonic", lambda: next(clock) * 0.01)
     for module in (side_channel, serial_port):
         monkeypatch.setattr(module, "Control", side)
     monkeypatch.setattr("hil.device.component.Control", side)

@@ -68,6 +68,7 @@ SETUPS["canopen"] = {"parameters": QUANSER, "file": {}}
 SETUPS["canopen (slcan)"] = {**SETUPS["canopen"], "driver": "canopen", "emulator": "canopen"} | {
     "link": "slcan"
 }
+SETUPS["cia402"] = {"parameters": QUANSER, "file": {}}
 for nodes in ((1, 2), (1, 2, 3)):
     SETUPS[f"canopen ({len(nodes)} nodes)"] = SETUPS["canopen"] | {
         "driver": "canopen",

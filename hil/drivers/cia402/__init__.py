@@ -1,0 +1,1 @@
+"""CiA 402 drives in torque mode; driver, protocol, set-up, emulator."""

@@ -1,0 +1,287 @@
+"""``cia402+socketcan://can0?nodes=1,2``: two CiA 402 drives in torque mode, one node a joint.
+
+One SYNC a tick: state, position and torque demand are sampled at it and come back in the same tick;
+controlword and target torque are taken over on reception. From activation on the drives watch our
+heartbeat and, by a timer, our commands themselves; either takes their torque off.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import ClassVar
+
+from cosim.base.errors import InputError
+from hil.device.contract import ZERO, BusUse, Received, Watchdog
+from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
+from hil.drivers.canopen import protocol as wire
+from hil.drivers.canopen.master import SYNC_FRAME, CanopenMaster
+from hil.drivers.canopen.protocol import Index, Object
+from hil.drivers.canopen.remote import CanopenTiming
+from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS
+from hil.drivers.canopen.supervision import Events
+from hil.drivers.cia402 import protocol as cia
+from hil.drivers.cia402.protocol import Control, DriveState
+from hil.drivers.cia402.set_up import rpdo_timer, set_up_drives
+from hil.drivers.cia402.settings import Cia402Options, Cia402Settings
+from hil.drivers.samples import sample_of_counts
+from hil.safety.conversion import TorqueDrive
+from hil.safety.linkage import Pair
+from hil.setup.address import DeviceAddress
+from hil.setup.device_file import DeviceFile
+from hil.setup.options import read_options
+from hil.wire.serial_port import PATIENCE
+
+COARSEST = 0.1
+"""Largest step of torque as a share of the limit: a larger one is felt."""
+LARGEST_CODE = 32767
+ENABLING = (
+    (Control.SHUTDOWN, DriveState.READY),
+    (Control.SWITCH_ON, DriveState.SWITCHED_ON),
+    (Control.ENABLE, DriveState.ENABLED),
+)
+BROKEN = {DriveState.FAULT, DriveState.FAULT_REACTION, DriveState.QUICK_STOP}
+
+
+class Cia402Driver(CanopenMaster):
+    """Two joints on two drives."""
+
+    driver = "cia402"
+    settings = Cia402Settings
+    options = Cia402Options
+    latency_ticks: ClassVar[int] = 0
+    emulator = "hil.drivers.cia402.emulator:make"
+    found_on = "can"
+
+    _proved = _running = False
+    _rated: Pair = (1.0, 1.0)
+
+    @classmethod
+    def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
+        """A command and an answer for each drive, and the bus's one SYNC."""
+        return BusUse(_frames(), shared=SYNC_FRAME, nodes=_nodes(address, file))
+
+    @property
+    def watchdog(self) -> Watchdog:
+        """The drives' timers of our commands, or of our heartbeat; written and read back."""
+        return Watchdog(timeout=self._watchdog_ms * 1e-3, verified=self._proved)
+
+    # --- setting up ------------------------------------------------------------------------------
+
+    def open(self) -> None:
+        given = self.file.settings_of(Cia402Settings)
+        self._drives = _drive(self.file, 0), _drive(self.file, 1)
+        self._timed = given.rpdo_timer
+        self.expiry_code = wire.RPDO_MISSING if self._timed else wire.HEARTBEAT_MISSING
+        self._numbers = self._measuring = self._driving = _nodes(self.address, self.file)
+        self._frames = _frames()
+        self._time(
+            max(given.heartbeat, ceil(self.tick * 1e3)),
+            max(given.watchdog, ceil(LEAST_WATCHDOG_TICKS * self.tick * 1e3)),
+        )
+        self._proved = self._running = self._armed = False
+        self._begin()
+        bus = self._joined()
+        timing = CanopenTiming(
+            heartbeat_ms=self._heartbeat_ms,
+            watchdog_ms=self._watchdog_ms,
+            producer=self.heartbeat,
+            timeout=PATIENCE if self.lockstep else given.timeout,
+        )
+        first, second = self.file.joints
+        found = set_up_drives(
+            bus,
+            self._numbers,
+            timing,
+            (first.counts_per_turn, second.counts_per_turn),
+            mode=given.mode,
+            timed=self._timed,
+        )
+        self._rated, self._number, self._proved = found.rated, found.serial, True
+        self._refuse_coarse()
+        self._begin()
+        bus.keep_step()
+        self._until(lambda: self._nodes.all_operational, "its drives do not become operational")
+        self._until(lambda: self._sequence > 0, "its drives send no positions on SYNC")
+        self._clear_faults()
+        self._running = True
+
+    def _refuse_coarse(self) -> None:
+        for node, drive, rated in zip(self._numbers, self._drives, self._rated, strict=True):
+            step = rated * 1e-3 * drive.gear
+            if step > COARSEST * self.file.limits.torque:
+                raise DeviceError(
+                    f"CiA 402 drive {node} is rated {rated:g} N.m, a thousandth of which is "
+                    f"{step * 1e3:.3g} mN.m at the joint: too coarse for a limit of "
+                    f"{self.file.limits.torque:g} N.m"
+                )
+
+    def _begin(self) -> None:
+        super()._begin()
+        self._states: dict[int, DriveState] = {}
+        self._sequence = 0
+        self._last, self._units = [0, 0], [0, 0]
+        self._zero_sent = False
+        """Whether nothing but zero was sent since the last torque."""
+        self._control = Control.VOLTAGE_OFF
+        self._commanding = False
+        """Whether commands have to go on outside the loop, because drives time them."""
+
+    def serial(self) -> str | None:
+        return self._number
+
+    # --- every tick ------------------------------------------------------------------------------
+
+    def receive(self) -> Received:
+        bus = self._opened()
+        bus.collect(self)
+        self._sdo_answers(bus)
+        events = self._nodes.take(bus)
+        fired = self._has_expired(events)
+        found = [bus.answer(wire.positions_id(node)) for node in self._numbers]
+        answers = [cia.answer(data) for data in found if data is not None]
+        if len(answers) < len(self._numbers):
+            wrong = self._wrong(events) if self._running else None
+            return Received(watchdog_fired=fired, error=wrong)
+        self._states = {n: state for n, (state, _, _) in zip(self._numbers, answers, strict=True)}
+        for joint, (_, position, _) in enumerate(answers):
+            self._units[joint] += wire.step(self._last[joint], position, 1 << 32)
+            self._last[joint] = position
+        self._sequence += 1
+        units = self._units[0], self._units[1]
+        return Received(
+            sample=sample_of_counts(self.file.joints, units, self._sequence),
+            zero_confirmed=self._zero_sent and all(demand == 0 for _, _, demand in answers),
+            watchdog_fired=fired,
+            enabled=all(state is DriveState.ENABLED for state in self._states.values()),
+            error=self._wrong(events) if self._running else None,
+        )
+
+    def silence(self) -> str | None:
+        return self._opened().complaint
+
+    def _wrong(self, events: Events) -> DeviceError | None:
+        """A node that is lost un-homes the device; an emergency, or a fault, says what is wrong."""
+        if events.lost is not None:
+            return NodeLost(events.said)
+        if events.reports:
+            return BoardError(events.said)
+        broken = [
+            f"CiA 402 drive {node} is in the state '{state.words}'"
+            for node, state in self._states.items()
+            if state in BROKEN
+        ]
+        return BoardError("; ".join(broken)) if broken else None
+
+    def send(self, torque: Pair) -> Pair:
+        codes = self._code(0, torque[0]), self._code(1, torque[1])
+        self._zero_sent = codes == (0, 0) and self._zero_sent
+        self._put(Control.ENABLE, codes)
+        self._beat_if_due()
+        return self._torque(0, codes[0]), self._torque(1, codes[1])
+
+    def feed(self) -> None:
+        self.send(ZERO)
+        self._beat()
+
+    def send_zero(self) -> bool:
+        """Zero and the voltage off, without a heartbeat; the drives' demand confirms it."""
+        self._put(Control.VOLTAGE_OFF, (0, 0))
+        self._zero_sent = True
+        return True
+
+    def _code(self, joint: int, torque: float) -> int:
+        """Thousandths of the rated torque, rounded toward zero."""
+        wanted = self._drives[joint].encode(torque) / self._rated[joint] * 1e3
+        return max(-LARGEST_CODE, min(LARGEST_CODE, int(wanted)))
+
+    def _torque(self, joint: int, code: int) -> float:
+        return self._drives[joint].decode(code * 1e-3 * self._rated[joint])
+
+    def _put(self, control: Control, codes: tuple[int, int]) -> None:
+        for node, code in zip(self._numbers, codes, strict=True):
+            self._opened().send(wire.outputs_id(node), cia.command(control, code))
+
+    # --- life cycle ------------------------------------------------------------------------------
+
+    def enter(self) -> None:
+        """From 'switch on disabled' to 'operation enabled', watched from the first step on."""
+        self._control, self._commanding = Control.VOLTAGE_OFF, True
+        self._time_commands(self._watchdog_ms)
+        # The second of two watches fires later, so that each is seen by itself.
+        self._watch_us(milliseconds=self._watchdog_ms * (2 if self._timed else 1))
+        self._armed, self._since_beat = True, self._beat_ticks
+        for control, wanted in ENABLING:
+            self._control = control
+            self._until(
+                lambda wanted=wanted: set(self._states.values()) == {wanted},
+                f"its drives do not reach the state '{wanted.words}'",
+            )
+        self._commanding = False
+
+    def leave(self) -> None:
+        """Torque off, nobody watches any more, and who missed us is well again."""
+        if not self._armed:
+            return
+        self._control, self._commanding, self._armed = Control.VOLTAGE_OFF, True, False
+        self._time_commands(0)
+        self._watch_us(milliseconds=0)
+        self._start_again()
+        self._clear_faults()
+        self._commanding = False
+
+    def _clear_faults(self) -> None:
+        """A fault is taken back by an edge, once its cause is gone."""
+        self._commanding = True
+        if BROKEN & set(self._states.values()):
+            self._control = Control.RESET_FAULT
+            self._until(
+                lambda: not BROKEN & set(self._states.values()), "its drives stay in a fault"
+            )
+        self._control = Control.VOLTAGE_OFF
+        seen = self._sequence
+        self._until(lambda: self._sequence > seen, "its drives fall silent")
+        self._commanding = False
+
+    def _time_commands(self, milliseconds: int) -> None:
+        """Have the drives time our commands; 0 ends that.
+
+        Raises:
+            ActivationRefused: one of them does not.
+        """
+        if not self._timed:
+            return
+        for node in self._numbers:
+            identifier = Object(Index.RPDO, 1, 4)
+            entry, value = rpdo_timer(milliseconds)
+            name = self._read(node, identifier) or wire.outputs_id(node)
+            self._write(node, identifier, name | wire.INVALID)
+            self._write(node, entry, value)
+            kept = self._read(node, entry)
+            self._write(node, identifier, name & ~wire.INVALID)
+            if kept != value:
+                raise ActivationRefused(f"CiA 402 drive {node} does not time our commands")
+
+    def _between(self) -> None:
+        if self._commanding:
+            self._put(self._control, (0, 0))
+            self._beat_if_due()
+
+    def _forget_answers(self) -> None:
+        """What confirms zero comes in process data."""
+
+
+def _nodes(address: DeviceAddress, file: DeviceFile) -> tuple[int, ...]:
+    return read_options(Cia402Options, address).nodes or file.settings_of(Cia402Settings).nodes
+
+
+def _frames() -> tuple[int, ...]:
+    return (cia.BACK.size,) * 2 + (cia.OUT.size,) * 2
+
+
+def _drive(file: DeviceFile, joint: int) -> TorqueDrive:
+    drive = file.joints[joint].drive
+    if not isinstance(drive, TorqueDrive):
+        raise InputError(
+            "a CiA 402 drive takes torque: its 'drive' has a gear and a direction only"
+        )
+    return drive
