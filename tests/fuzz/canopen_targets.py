@@ -13,6 +13,7 @@ from hil.device.contract import State
 from hil.device.device import Device
 from hil.device.errors import ProtocolError
 from hil.drivers.canopen import driver as module
+from hil.drivers.canopen import master
 from hil.drivers.canopen import protocol as canopen
 from hil.drivers.canopen.driver import CanopenDriver
 from hil.drivers.canopen.emulated_node import TORQUE_PER_CODE
@@ -118,13 +119,13 @@ def _made() -> tuple[Device, CanBus]:
     bus = CanBus(
         name="fake", port=PythonCanPort(Answering()), key=("fake", "can0"), bitrate=1e6, budget=0.0
     )
-    kept = module.set_up, module.open_bus
+    kept = module.set_up, master.open_bus
     module.set_up = lambda *_: Found((1 << 32, 1 << 32), None)
-    module.open_bus = lambda *_: bus
+    master.open_bus = lambda *_: bus
     try:
         device.configure()
     finally:
-        module.set_up, module.open_bus = kept
+        module.set_up, master.open_bus = kept
     assert device.read(0).joint_angle[0] == 2 * pi * UNITS[0] / 20000
     return device, bus
 

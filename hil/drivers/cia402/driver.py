@@ -63,7 +63,12 @@ class Cia402Driver(CanopenMaster):
     @property
     def watchdog(self) -> Watchdog:
         """The drives' timers of our commands, or of our heartbeat; written and read back."""
-        return Watchdog(timeout=self._watchdog_ms * 1e-3, verified=self._proved)
+        return Watchdog(timeout=self._longest_silence() * 1e-3, verified=self._proved)
+
+    def _longest_silence(self) -> int:
+        """After how many ms without us a drive takes its torque off."""
+        given = self.file.settings_of(Cia402Settings)
+        return max(given.watchdog, ceil(LEAST_WATCHDOG_TICKS * self.tick * 1e3))
 
     # --- setting up ------------------------------------------------------------------------------
 
@@ -74,10 +79,7 @@ class Cia402Driver(CanopenMaster):
         self.expiry_code = wire.RPDO_MISSING if self._timed else wire.HEARTBEAT_MISSING
         self._numbers = self._measuring = self._driving = _nodes(self.address, self.file)
         self._frames = _frames()
-        self._time(
-            max(given.heartbeat, ceil(self.tick * 1e3)),
-            max(given.watchdog, ceil(LEAST_WATCHDOG_TICKS * self.tick * 1e3)),
-        )
+        self._time(max(given.heartbeat, ceil(self.tick * 1e3)), self._longest_silence())
         self._proved = self._running = self._armed = False
         self._begin()
         bus = self._joined()

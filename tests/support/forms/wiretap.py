@@ -17,6 +17,7 @@ from hil.device.component import DeviceComponent, begin_emulated_motion
 from hil.device.errors import DeviceError
 from hil.drivers.canopen import driver as canopen
 from hil.drivers.canopen import master as canopen_master
+from hil.drivers.cia402 import driver as cia402
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.setup.registry import find
@@ -70,10 +71,10 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
         said.append(("open", arguments, options))
         return Wire(said)
 
-    def set_up(bus: Any, *asked: Any) -> SimpleNamespace:
+    def set_up(bus: Any, *asked: Any, **more: Any) -> SimpleNamespace:
         del bus
-        said.append(("set up", asked))
-        return SimpleNamespace(ranges=(1 << 20, 1 << 20), serial=None)
+        said.append(("set up", asked, more))
+        return SimpleNamespace(ranges=(1 << 20, 1 << 20), rated=(0.2, 0.2), serial=None)
 
     def side(path: str) -> MagicMock:
         said.append(("side channel", path))
@@ -92,6 +93,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
     monkeypatch.setattr(can_bus, "SocketCanPort", lambda channel: PythonCanPort(opened(channel)))
     monkeypatch.setattr(can_bus, "_OPEN", {})
     monkeypatch.setattr(canopen, "set_up", set_up)
+    monkeypatch.setattr(cia402, "set_up_drives", set_up)
     monkeypatch.setattr(canopen_master, "SETUP_TICKS", 3)
     clock = count()
     monkeypatch.setattr(canopen_master, "monotonic", lambda: next(clock) * 0.01)

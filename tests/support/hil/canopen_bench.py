@@ -45,11 +45,14 @@ class Puppet:
 class Wire:
     """A bus with boards on it; ``seen`` are the frames that reached them."""
 
+    kind = CanopenDriver
+    board = CanopenBoard
+
     def __init__(self, *devices: tuple[int, ...]) -> None:
         self.channel = f"canopen-{next(_channels)}"
         self.puppets = [Puppet() for _ in devices]
         self.boards = [
-            CanopenBoard(World(puppet, lockstep=True), nodes=nodes)
+            self.board(World(puppet, lockstep=True), nodes=nodes)
             for puppet, nodes in zip(self.puppets, devices, strict=True)
         ]
         self.seen: list[BoardFrame] = []
@@ -67,12 +70,12 @@ class Wire:
 
     def device(self, nodes: str = "1", **document) -> Device:
         """A device that waits for its answers however long the thread takes."""
-        url = f"canopen+virtual://{self.channel}?nodes={nodes}&budget=120"
+        url = f"{self.kind.driver}+virtual://{self.channel}?nodes={nodes}&budget=120"
         settings = {"timeout": 120, **document.pop("settings", {})}
         file = parse_file(
-            {"driver": "canopen", "home": list(REST), "settings": settings, **document}
+            {"driver": self.kind.driver, "home": list(REST), "settings": settings, **document}
         )
-        made = Device(CanopenDriver, parse(url), file, tick=TICK)
+        made = Device(self.kind, parse(url), file, tick=TICK)
         self._devices.append(made)
         return made
 

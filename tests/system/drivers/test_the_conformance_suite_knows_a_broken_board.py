@@ -26,6 +26,7 @@ NOT_TRIED = {
     "haply": {"clock", "switch", "bits", "cuts", "junk", "nan", "watchdog", "rearm"},
     "cobs": set(),
     "odrive": {"clock", "switch", "bits", "cuts", "junk"},
+    "cia402": {"clock", "switch", "bits", "cuts", "junk"},
     "canopen": {"clock", "switch", "bits", "cuts", "junk"},
 }
 """What says nothing about a protocol; everything else is tried, and kept."""

@@ -156,6 +156,7 @@ DEVICE: dict[Key, tuple[dict[str, Any], dict[str, Any]]] = {
 
 HAPLY, SLCAN = "haply:///dev/none", "slcan:///dev/none"
 ODRIVE, CANOPEN = "odrive+socketcan://none0", "canopen+socketcan://none0"
+DRIVES = "cia402+socketcan://none0"
 QUANSER_CARD, NI, MOTEUS = "quanser://q8_usb/0", "nidaqmx://Dev1", "moteus:///dev/none"
 NODES = [{"node": 1}, {"node": 2}]
 ENDPOINTS = {"timeout": 0.02, "timeout_endpoint": 5, "enable_endpoint": 6}
@@ -169,6 +170,7 @@ OPTIONS: dict[Key, tuple[str, str]] = {
             ("HaplyOptions", HAPLY),
             ("OdriveOptions", ODRIVE),
             ("CanopenOptions", CANOPEN),
+            ("Cia402Options", DRIVES),
             ("QuanserOptions", QUANSER_CARD),
             ("NidaqmxOptions", NI),
             ("MoteusOptions", MOTEUS),
@@ -182,6 +184,7 @@ OPTIONS: dict[Key, tuple[str, str]] = {
             ("HaplyOptions", HAPLY),
             ("OdriveOptions", ODRIVE),
             ("CanopenOptions", CANOPEN),
+            ("Cia402Options", DRIVES),
             ("QuanserOptions", QUANSER_CARD),
             ("NidaqmxOptions", NI),
             ("MoteusOptions", MOTEUS),
@@ -194,7 +197,11 @@ OPTIONS: dict[Key, tuple[str, str]] = {
     ("HaplyOptions", "ports"): (HAPLY, f"{HAPLY}?ports=3,4"),
     **{
         (form, name): (url, f"{url}?{name}={value}")
-        for form, url in (("OdriveOptions", ODRIVE), ("CanopenOptions", CANOPEN))
+        for form, url in (
+            ("OdriveOptions", ODRIVE),
+            ("CanopenOptions", CANOPEN),
+            ("Cia402Options", DRIVES),
+        )
         for name, value in (("bitrate", 500000), ("budget", 0.001), ("nodes", "3,4"))
     },
     ("OdriveOptions", "sleep_after_open"): (
@@ -204,6 +211,10 @@ OPTIONS: dict[Key, tuple[str, str]] = {
     ("CanopenOptions", "sleep_after_open"): (
         f"canopen+{SLCAN}",
         f"canopen+{SLCAN}?sleep_after_open=1",
+    ),
+    ("Cia402Options", "sleep_after_open"): (
+        f"cia402+{SLCAN}",
+        f"cia402+{SLCAN}?sleep_after_open=1",
     ),
     ("QuanserOptions", "encoders"): (QUANSER_CARD, f"{QUANSER_CARD}?encoders=2,3"),
     ("QuanserOptions", "outputs"): (QUANSER_CARD, f"{QUANSER_CARD}?outputs=2,3"),
@@ -232,6 +243,17 @@ SETTINGS: dict[Key, tuple[str, dict[str, Any], dict[str, Any]]] = {
             {"watchdog": {**ENDPOINTS, name: value}},
         )
         for name, value in (("timeout", 0.03), ("timeout_endpoint", 7), ("enable_endpoint", 8))
+    },
+    **{
+        ("Cia402Settings", name): (DRIVES, {}, {name: value})
+        for name, value in (
+            ("nodes", [3, 4]),
+            ("mode", 4),
+            ("rpdo_timer", False),
+            ("heartbeat", 9),
+            ("watchdog", 50),
+            ("timeout", 1),
+        )
     },
     ("CanopenSettings", "nodes"): (CANOPEN, {}, {"nodes": [1, 2]}),
     ("CanopenSettings", "encoders"): (CANOPEN, {}, {"encoders": NODES}),
