@@ -20,7 +20,7 @@ from hil.drivers.canopen.remote import CanopenTiming
 from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS
 from hil.drivers.canopen.supervision import Events
 from hil.drivers.cia402 import protocol as cia
-from hil.drivers.cia402.protocol import Control, DriveState
+from hil.drivers.cia402.protocol import Controlword, DriveState
 from hil.drivers.cia402.set_up import rpdo_timer, set_up_drives
 from hil.drivers.cia402.settings import Cia402Options, Cia402Settings
 from hil.drivers.samples import sample_of_counts
@@ -35,9 +35,9 @@ COARSEST = 0.1
 """Largest step of torque as a share of the limit: a larger one is felt."""
 LARGEST_CODE = 32767
 ENABLING = (
-    (Control.SHUTDOWN, DriveState.READY),
-    (Control.SWITCH_ON, DriveState.SWITCHED_ON),
-    (Control.ENABLE, DriveState.ENABLED),
+    (Controlword.SHUTDOWN, DriveState.READY),
+    (Controlword.SWITCH_ON, DriveState.SWITCHED_ON),
+    (Controlword.ENABLE, DriveState.ENABLED),
 )
 BROKEN = {DriveState.FAULT, DriveState.FAULT_REACTION, DriveState.QUICK_STOP}
 
@@ -124,7 +124,7 @@ class Cia402Driver(CanopenMaster):
         self._last, self._units = [0, 0], [0, 0]
         self._zero_sent = False
         """Whether nothing but zero was sent since the last torque."""
-        self._control = Control.VOLTAGE_OFF
+        self._control = Controlword.VOLTAGE_OFF
         self._commanding = False
         """Whether commands have to go on outside the loop, because drives time them."""
 
@@ -177,7 +177,7 @@ class Cia402Driver(CanopenMaster):
     def send(self, torque: Pair) -> Pair:
         codes = self._code(0, torque[0]), self._code(1, torque[1])
         self._zero_sent = codes == (0, 0) and self._zero_sent
-        self._put(Control.ENABLE, codes)
+        self._put(Controlword.ENABLE, codes)
         self._beat_if_due()
         return self._torque(0, codes[0]), self._torque(1, codes[1])
 
@@ -187,7 +187,7 @@ class Cia402Driver(CanopenMaster):
 
     def send_zero(self) -> bool:
         """Zero and the voltage off, without a heartbeat; the drives' demand confirms it."""
-        self._put(Control.VOLTAGE_OFF, (0, 0))
+        self._put(Controlword.VOLTAGE_OFF, (0, 0))
         self._zero_sent = True
         return True
 
@@ -199,7 +199,7 @@ class Cia402Driver(CanopenMaster):
     def _torque(self, joint: int, code: int) -> float:
         return self._drives[joint].decode(code * 1e-3 * self._rated[joint])
 
-    def _put(self, control: Control, codes: tuple[int, int]) -> None:
+    def _put(self, control: Controlword, codes: tuple[int, int]) -> None:
         for node, code in zip(self._numbers, codes, strict=True):
             self._opened().send(wire.outputs_id(node), cia.command(control, code))
 
@@ -207,7 +207,7 @@ class Cia402Driver(CanopenMaster):
 
     def enter(self) -> None:
         """From 'switch on disabled' to 'operation enabled', watched from the first step on."""
-        self._control, self._commanding = Control.VOLTAGE_OFF, True
+        self._control, self._commanding = Controlword.VOLTAGE_OFF, True
         self._time_commands(self._watchdog_ms)
         # The second of two watches fires later, so that each is seen by itself.
         self._watch_us(milliseconds=self._watchdog_ms * (2 if self._timed else 1))
@@ -224,7 +224,7 @@ class Cia402Driver(CanopenMaster):
         """Torque off, nobody watches any more, and who missed us is well again."""
         if not self._armed:
             return
-        self._control, self._commanding, self._armed = Control.VOLTAGE_OFF, True, False
+        self._control, self._commanding, self._armed = Controlword.VOLTAGE_OFF, True, False
         self._time_commands(0)
         self._watch_us(milliseconds=0)
         self._start_again()
@@ -235,11 +235,11 @@ class Cia402Driver(CanopenMaster):
         """A fault is taken back by an edge, once its cause is gone."""
         self._commanding = True
         if BROKEN & set(self._states.values()):
-            self._control = Control.RESET_FAULT
+            self._control = Controlword.RESET_FAULT
             self._until(
                 lambda: not BROKEN & set(self._states.values()), "its drives stay in a fault"
             )
-        self._control = Control.VOLTAGE_OFF
+        self._control = Controlword.VOLTAGE_OFF
         seen = self._sequence
         self._until(lambda: self._sequence > seen, "its drives fall silent")
         self._commanding = False

@@ -35,7 +35,7 @@ HALT = 0x605D
 """Never asked for by us, and not in every drive."""
 
 
-class Control(IntEnum):
+class Controlword(IntEnum):
     """Controlwords."""
 
     VOLTAGE_OFF = 0x00
@@ -99,7 +99,7 @@ def drive_state(statusword: int) -> DriveState:
     return found
 
 
-def command(control: Control, target: int) -> bytes:
+def command(control: Controlword, target: int) -> bytes:
     """A receive PDO: controlword and target torque (thousandths of the rated one)."""
     return OUT.pack(control, target)
 
