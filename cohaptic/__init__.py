@@ -2,10 +2,9 @@
 
     import cohaptic
 
-    scenario = cohaptic.load("two_users_box", sets=["duration=2 s"])
-    finished = cohaptic.run(scenario)
-    with cohaptic.open_run(finished.folder) as record:
-        print(record.signals["vr_a.box_pose.y"].values)
+    finished = cohaptic.run("two_users_box", sets=["duration=2 s"])
+    with finished.open() as record:
+        print(record["vr_a.box_pose.y"].values)
 
 A name is imported when it is first used, so that ``import cohaptic`` itself costs nothing.
 """
@@ -15,10 +14,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cohaptic import fmu, theory
+    from cohaptic.runs import resume, run
     from cosim.base.component import Causality, Component, Variable, VariableType
     from cosim.reading import edit, load
     from cosim.record import open_run
-    from cosim.run import run_scenario as run
     from cosim.scenario import Scenario
     from cosim.sweep.ask import sweep
     from cosim.sweep.theory import spectral_radius
@@ -32,23 +32,28 @@ else:
         "edit": ("cosim.reading", "edit"),
         "load": ("cosim.reading", "load"),
         "open_run": ("cosim.record", "open_run"),
-        "run": ("cosim.run", "run_scenario"),
+        "resume": ("cohaptic.runs", "resume"),
+        "run": ("cohaptic.runs", "run"),
         "spectral_radius": ("cosim.sweep.theory", "spectral_radius"),
         "sweep": ("cosim.sweep.ask", "sweep"),
     }
 
+    _MODULES = ("fmu", "theory")
+
     def __getattr__(name: str) -> object:
         from importlib import import_module
 
-        if name not in _HOMES:
+        if name not in {*_HOMES, *_MODULES}:
             raise AttributeError(f"module 'cohaptic' has no attribute '{name}'")
+        if name in _MODULES:
+            return import_module(f"cohaptic.{name}")
         module, attribute = _HOMES[name]
         found = getattr(import_module(module), attribute)
         globals()[name] = found
         return found
 
     def __dir__() -> list[str]:
-        return sorted({*globals(), *_HOMES})
+        return sorted({*globals(), *_HOMES, *_MODULES})
 
 
 __all__ = [
@@ -58,9 +63,12 @@ __all__ = [
     "Variable",
     "VariableType",
     "edit",
+    "fmu",
     "load",
     "open_run",
+    "resume",
     "run",
     "spectral_radius",
     "sweep",
+    "theory",
 ]

@@ -56,7 +56,8 @@ FORMS: Forms = {"safety": _safety, "realtime": _realtime, "link": _link, "expect
 def edit(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
     """A scenario with other values, by place: ``{"components.hand.parameters.mass": 0.2}``.
 
-    Places are those of ``--set``; the scenario that is given stays as it is.
+    Places are those of ``--set``; the scenario that is given stays as it is. A class of a component
+    stands for its module and name: ``{"components.hand.python": MyHand}``.
 
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
@@ -70,7 +71,25 @@ def edit(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 def _written(value: Any) -> str:
     """A value as YAML, on one line."""
-    return value if isinstance(value, str) else json.dumps(value)
+    if isinstance(value, type):
+        return _named(value)
+    return value if isinstance(value, str) else json.dumps(value, default=_named)
+
+
+def _named(value: Any) -> str:
+    """A class as ``module:Class``.
+
+    Raises:
+        InputError: it is no class, or one that only a function has.
+    """
+    if not isinstance(value, type):
+        raise InputError(f"{value!r} is no value that a scenario can have.")
+    if "." in value.__qualname__:
+        raise InputError(
+            f"{value.__qualname__}: a scenario finds a class by its module and its name; define it "
+            "at the top of a module, or of the notebook."
+        )
+    return f"{value.__module__}:{value.__qualname__}"
 
 
 def load(

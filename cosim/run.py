@@ -6,6 +6,7 @@ The commands, sweeps and tests all run scenarios through here.
 from __future__ import annotations
 
 import hashlib
+import html
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -22,7 +23,7 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge, prepare
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
-from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, open_run
 from cosim.record.writer import Recorder
 from cosim.report.drawings import Drawings
 from cosim.report.expectation import Expectation
@@ -32,17 +33,37 @@ from cosim.scenario.resolved import to_yaml
 from cosim.scene import describe_scene
 
 LOG_FILE = "fmu.log"
+_SHOWN = 8
+"""Measures that a notebook shows of a run."""
 Execute = Callable[[Simulation, Recorder, Progress | None], None]
 """Runs a simulation to its end into a recorder."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Finished:
     """A run that is over: its folder, its summary, and the error that ended it, if one did."""
 
     folder: Path
     summary: Summary
     error: CohapticError | None
+
+    def open(self) -> Run:
+        """Its record, for reading; a context manager."""
+        return open_run(self.folder)
+
+    def __repr__(self) -> str:
+        content = self.summary.content
+        verdict = content["message"] or "it ran to its end"
+        lines = [f"Run {self.folder}: {verdict}"]
+        lines.append(f"  {content['simulated_time']:g} s in {content['wall_time']:.3g} s")
+        measures = list(content["measures"].items())
+        lines += [f"  {name} = {value:.4g}" for name, value in measures[:_SHOWN]]
+        if len(measures) > _SHOWN:
+            lines.append(f"  and {len(measures) - _SHOWN} more in .summary")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
 
 
 class RunWatcher(Protocol):

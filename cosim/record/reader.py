@@ -286,6 +286,40 @@ class Run:
         """
         return _labelled().to_xarray(self, patterns)
 
+    def plot(
+        self,
+        *patterns: str,
+        kind: str = "time",
+        start: str | float = 0,
+        until: str | float | None = None,
+        file: str | Path | None = None,
+    ) -> Any:
+        """Draw signals into ``plot.png`` of the folder, or into ``file`` (png, svg or pdf).
+
+        Names, and patterns with ``*`` and ``?``, choose signals; ``kind`` is ``time``,
+        ``difference``, ``spectrum``, ``phase`` or ``histogram``; times are in s. A notebook shows
+        what is returned, which has the ``file``.
+
+        Raises:
+            InputError: no such kind, signal or time, or the file cannot be written.
+        """
+        place = self.folder / "plot.png" if file is None else Path(file)
+        picture = importlib.import_module("cosim.plot.picture")
+        return picture.picture_of([self], patterns, kind, (start, until), place)
+
+    def show(self) -> Path:
+        """Open the run's page in the browser.
+
+        Raises:
+            InputError: the run has none.
+        """
+        page = self.folder / "report.html"
+        if not page.is_file():
+            raise InputError(f"{self.folder}: there is no report.html: run it with its page.")
+        webbrowser = importlib.import_module("webbrowser")
+        webbrowser.open(page.resolve().as_uri())
+        return page
+
     def __repr__(self) -> str:
         return str(_labelled().outline(self))
 

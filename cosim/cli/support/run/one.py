@@ -54,8 +54,8 @@ def read_one(written: str | None, options: RunOptions, say: Callable[[str], None
         InputError: it cannot be used, or an option is not for it.
     """
     from cosim.cli.ssp.system import scenario_of_system
-    from cosim.cli.support.continuation import scenario_to_run
     from cosim.cli.support.fmu.alone import is_fmu, scenario_of_fmu
+    from cosim.continuation import scenario_to_run
     from cosim.reading import load
     from cosim.ssp.package import is_system
 
@@ -151,7 +151,7 @@ def _execution(options: RunOptions, say: Callable[[str], None]) -> Execute | Non
     Raises:
         InputError: a page is wanted beside snapshots or an origin.
     """
-    from cosim.cli.support.continuation import continuation
+    from cosim.continuation import continuation
 
     if not options.live:
         return continuation(say, options.origin, options.snapshots)

@@ -1,0 +1,92 @@
+"""Runs from Python: ``cohaptic.run`` and ``cohaptic.resume``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from cosim.base.component import Component
+from cosim.continuation import Continuation, Origin
+from cosim.master.run.simulation import Progress
+from cosim.reading import load
+from cosim.record.reader import SCENARIO_FILE
+from cosim.run import Finished, run_scenario
+from cosim.scenario import Scenario
+
+
+def run(
+    scenario: str | Path | Scenario,
+    out: str | Path | None = None,
+    *,
+    sets: Sequence[str] = (),
+    components: Mapping[str, Component] | None = None,
+    snapshots: Sequence[str] = (),
+    figure: bool = True,
+    page: bool | None = None,
+    progress: Progress | None = None,
+) -> Finished:
+    """Run a scenario into a folder: ``out``, or the next free ``runs/<scenario>-<n>``.
+
+    Args:
+        scenario: a name, a file, or what ``load`` and ``edit`` return.
+        out: the folder, new or empty.
+        sets: overrides as ``--set`` takes them, of a name or a file.
+        components: components that exist already, by name, in place of those that the scenario
+            would make.
+        snapshots: times (``"2.5 s"``) at which the state is left in the folder, for ``resume``.
+        figure: whether the overview is drawn.
+        page: whether the page is made; as the figure where nothing is said.
+        progress: told the ticks done and the wall time (s), a few times a second.
+
+    Raises:
+        InputError: something cannot be used; no folder is left behind.
+        RunError: the record could not be begun.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load(scenario, sets=sets)
+    elif sets:
+        raise TypeError("sets goes with a name or a file; edit() changes a scenario.")
+    return run_scenario(
+        scenario,
+        None if out is None else Path(out),
+        execute=Continuation(_say, None, tuple(snapshots)) if snapshots else None,
+        figure=figure,
+        page=page,
+        progress=progress,
+        instances=components,
+    )
+
+
+def resume(
+    folder: str | Path,
+    time: str,
+    out: str | Path | None = None,
+    *,
+    duration: str | None = None,
+    figure: bool = True,
+    page: bool | None = None,
+) -> Finished:
+    """Go on from a time of an earlier run, with its scenario; the new record is whole.
+
+    From the snapshot of that time where there is one, else everything is computed again from tick
+    0. ``duration`` may differ from the earlier run's.
+
+    Raises:
+        InputError: there is no such run or time, or it cannot be gone on from.
+        RunError: what both runs have is not equal; the message names the first difference.
+    """
+    earlier = Path(folder)
+    sets = [] if duration is None else [f"duration={duration}"]
+    scenario = load(earlier / SCENARIO_FILE, sets=sets)
+    return run_scenario(
+        scenario,
+        None if out is None else Path(out),
+        execute=Continuation(_say, Origin(earlier, time)),
+        figure=figure,
+        page=page,
+    )
+
+
+def _say(sentence: str) -> None:
+    sys.stderr.write(f"{sentence}\n")
