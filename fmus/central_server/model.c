@@ -38,7 +38,6 @@ const char *model_initialise(Variables *v, State *s, Report *r)
     if (v->force_channel == FORCECHANNEL_WAVE && !(v->wave_impedance > 0.0))
         return "wave_impedance must be positive.";
     const char *wrong = station_set_up(v, &s->station, &s->own, r);
-    s->station.deadband.forces_only = true;
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);
 }
 
@@ -104,7 +103,7 @@ static SentPacket send(const State *s, const WorldForces *forces, int p)
 {
     Packet now = {.force = {forces->peer[p][0].force, forces->peer[p][1].force}};
     pack_box(&s->environment.box, &now);
-    return packet_send(&s->station.deadband, &s->sent[p], &now, s->own.tick);
+    return packet_send(&s->station.deadband, &s->sent[p], &now, 0.0, s->own.tick);
 }
 
 void model_outputs(Variables *v, const State *s)

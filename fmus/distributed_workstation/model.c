@@ -27,13 +27,23 @@ void model_retune(const Variables *v, State *s)
     s->world.coupling = (Coupling){v->coupling_stiffness,            v->coupling_damping,
                                    v->coupling_rotational_stiffness, v->coupling_rotational_damping,
                                    v->coupling_force_limit,          v->coupling_torque_limit};
+    /* Every copy has the same couplers: the receiver's are ours. */
+    Deadband *deadband = &s->station.deadband;
+    for (int f = MOTION_FINGER_1; f <= MOTION_FINGER_2; f++) {
+        deadband->stiffness[f] = v->remote_normal_stiffness;
+        deadband->damping[f] = v->remote_normal_damping;
+    }
+    deadband->stiffness[MOTION_BOX] = v->coupling_stiffness;
+    deadband->damping[MOTION_BOX] = v->coupling_damping;
+    deadband->stiffness[MOTION_BOX_ANGLE] = v->coupling_rotational_stiffness;
+    deadband->damping[MOTION_BOX_ANGLE] = v->coupling_rotational_damping;
 }
 
 const char *model_initialise(Variables *v, State *s, Report *r)
 {
     if (v->peers < 0 || v->peers > PEERS) return "peers must be between 0 and 3.";
-    model_retune(v, s);
     const char *wrong = station_set_up(v, &s->station, &s->own, r);
+    model_retune(v, s);
     s->station.deadband.predicted = v->predictor == PREDICTOR_LINEAR;
     return wrong ? wrong : environment_set_up(v, &s->world, &s->environment, r);
 }
@@ -43,7 +53,7 @@ static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS]
     Packet now = {0};
     pack_fingers(measured, &now);
     pack_box(&s->environment.box, &now);
-    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+    return packet_send(&s->station.deadband, &s->sent, &now, station_felt(&s->own), s->own.tick);
 }
 
 /* Not inlined: one large stack frame is enough. */

@@ -24,7 +24,12 @@ const char *model_initialise(Variables *v, State *s, Report *r)
 {
     if (v->force_channel == FORCECHANNEL_WAVE && !(v->wave_impedance > 0.0))
         return "wave_impedance must be positive.";
-    return station_set_up(v, &s->station, &s->own, r);
+    const char *wrong = station_set_up(v, &s->station, &s->own, r);
+    for (int f = MOTION_FINGER_1; f <= MOTION_FINGER_2; f++) {
+        s->station.deadband.stiffness[f] = v->deadband_stiffness;
+        s->station.deadband.damping[f] = v->deadband_damping;
+    }
+    return wrong;
 }
 
 static WaveEnd wave_end(const Variables *v, const State *s, int f, const FingerMeasurement *measured)
@@ -65,7 +70,7 @@ static SentPacket send(const State *s, const FingerMeasurement measured[FINGERS]
 {
     Packet now = {0};
     pack_fingers(measured, &now);
-    return packet_send(&s->station.deadband, &s->sent, &now, s->own.tick);
+    return packet_send(&s->station.deadband, &s->sent, &now, station_felt(&s->own), s->own.tick);
 }
 
 /* The integral of alpha = 2 b v - beta up to this tick: nothing of what arrives now is in it, so

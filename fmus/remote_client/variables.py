@@ -40,6 +40,14 @@ MODEL = Model(
             3.0,
             minimum=0.0,
         ),
+        real(
+            "deadband_stiffness",
+            "Of the coupler that the server has for this user, for the deadband (section 8.2)",
+            "N/m",
+            170.0,
+            minimum=0.0,
+        ),
+        real("deadband_damping", "Of the same coupler", "N.s/m", 3.0, minimum=0.0),
         workstation.finger_group(
             (
                 "down.finger_?_force",

@@ -4,32 +4,27 @@
 
 static double size_of(Vector v) { return hypot(v.x, v.y); }
 
-static bool felt(Vector held, Vector now, double fraction, double least)
+static bool differs(const Deadband *deadband, const Packet *held, const Packet *now, double felt,
+                    double age)
 {
-    return size_of(minus(now, held)) > fmax(fraction * size_of(held), least);
-}
-
-static bool differs(const Deadband *deadband, const Packet *held, const Packet *now, double age)
-{
-    for (int f = 0; f < 2; f++)
-        if (felt(held->force[f], now->force[f], deadband->fraction, deadband->force)) return true;
-    if (deadband->forces_only) return false;
+    for (int f = 0; f < 2; f++) {
+        const double shown = fmax(size_of(held->force[f]), deadband->force);
+        if (size_of(minus(now->force[f], held->force[f])) > deadband->fraction * shown) return true;
+    }
+    const double least = deadband->fraction * fmax(felt, deadband->force);
     for (int m = 0; m < MOTIONS; m++) {
-        const bool turning = m == MOTION_BOX_ANGLE;
         const Motion *old = &held->motion[m], *new = &now->motion[m];
-        if (felt(old->velocity, new->velocity, deadband->fraction,
-                 turning ? deadband->rate : deadband->velocity))
-            return true;
         const double ahead = deadband->predicted ? age : 0.0;
         const Vector taken = plus(old->position, times(ahead, old->velocity));
-        if (size_of(minus(new->position, taken)) > (turning ? deadband->angle : deadband->position))
-            return true;
+        const Vector change = plus(times(deadband->stiffness[m], minus(new->position, taken)),
+                                   times(deadband->damping[m], minus(new->velocity, old->velocity)));
+        if (size_of(change) > (m == MOTION_BOX_ANGLE ? least * deadband->arm : least)) return true;
     }
     return false;
 }
 
 SentPacket packet_send(const Deadband *deadband, const SentPacket *before, const Packet *now,
-                       int64_t tick)
+                       double felt, int64_t tick)
 {
     SentPacket sent = *before;
     if (!(deadband->fraction > 0.0)) {
@@ -42,7 +37,7 @@ SentPacket packet_send(const Deadband *deadband, const SentPacket *before, const
     const int64_t age = tick - before->tick;
     sent.due++;
     if (before->due > 0 && age < deadband->longest * deadband->samples
-        && !differs(deadband, &before->packet, now, (double)age * deadband->period))
+        && !differs(deadband, &before->packet, now, felt, (double)age * deadband->period))
         return sent;
     sent.packet = *now;
     sent.tick = tick;

@@ -1,8 +1,9 @@
 /* What a workstation tells others, and a perceptual deadband on it.
  *
- * With a deadband a network sample repeats the last content unless someone could feel the change:
- * a velocity or force that changes by more than a fraction of itself (Weber's law), or a position
- * that leaves what the receiver makes of the last content. Hinterseer, Hirche, Chaudhuri, Steinbach,
+ * With a deadband a network sample is a keep-alive, a head with the content's age, unless someone
+ * could feel the change: the force that the receiver's coupler makes of it, K dp + B dv, against a
+ * fraction of the force that is felt (Weber's law). A position is compared with what the receiver
+ * makes of the last content. Hinterseer, Hirche, Chaudhuri, Steinbach,
  * Buss, "Perception-based data reduction and transmission of haptic data in telepresence and
  * teleaction systems", IEEE Trans. Signal Processing 56(2), 2008.
  */
@@ -26,11 +27,11 @@ typedef struct {
 } Packet;
 
 typedef struct {
-    double fraction;              /* Weber's; 0: every sample is sent */
-    double position, angle;       /* m, rad that may be off */
-    double velocity, rate, force; /* m/s, rad/s, N below which nothing is felt */
-    bool predicted;               /* whether receivers move positions on with their velocities */
-    bool forces_only;             /* where the motions are for display */
+    double fraction;           /* Weber's; 0: every sample is sent */
+    double stiffness[MOTIONS]; /* of the receiver's coupler, N/m or N.m/rad; 0: for display */
+    double damping[MOTIONS];   /* N.s/m or N.m.s/rad */
+    double force, arm;         /* N below which nothing is felt; m at which a torque is */
+    bool predicted;            /* whether receivers move positions on with their velocities */
     int64_t samples;              /* ticks between network samples */
     int64_t longest;              /* network samples until a repeat is sent anew */
     double period;                /* s */
@@ -43,8 +44,9 @@ typedef struct {
     int64_t due, sent;
 } SentPacket;
 
-/* The content at this tick, and the record as it will be committed. Pure. */
+/* The content at this tick, and the record as it will be committed; `felt` (N) is what Weber's
+ * fraction is taken of. Pure. */
 SentPacket packet_send(const Deadband *deadband, const SentPacket *before, const Packet *now,
-                       int64_t tick);
+                       double felt, int64_t tick);
 
 #endif

@@ -285,22 +285,31 @@ def deadband_parameters() -> tuple[ModelVariable, ...]:
         ),
         real(
             "deadband",
-            "Weber fraction by which velocities and forces may change before a packet's content is "
-            "renewed (0.1 is usual; Hinterseer et al. 2008); 0: every packet has new content",
+            "Weber fraction by which the force that a receiver would feel may change before a "
+            "packet has content again (0.1 is usual; Hinterseer et al. 2008); 0: every packet has",
             "1",
             0.0,
             minimum=0.0,
         ),
-        real("deadband_position", "Error of a position that is not felt (chosen)", "m", 2e-4),
-        real("deadband_angle", "Error of the box's angle that is not felt (chosen)", "rad", 4e-3),
-        real("deadband_velocity", "Change of speed that is never felt (chosen)", "m/s", 5e-3),
-        real("deadband_rate", "Change of the box's turning never felt (chosen)", "rad/s", 0.1),
-        real("deadband_force", "Change of force that is never felt (chosen)", "N", 0.02),
+        real(
+            "deadband_force",
+            "Least force that the fraction is taken of: what a free hand feels (chosen)",
+            "N",
+            0.2,
+            minimum=0.0,
+        ),
+        real(
+            "deadband_arm",
+            "Distance from the box's middle at which its torque is felt as a force (chosen)",
+            "m",
+            0.05,
+            minimum=0.0,
+        ),
         integer(
             "deadband_longest",
-            "Network periods after which content is renewed even if nothing changed; a link that "
-            "waits for fresh data must be given it in time",
-            4,
+            "Network periods after which a packet has content even if nothing changed; packets "
+            "between are keep-alives with the age of the content",
+            16,
             minimum=1,
             maximum=1_000_000,
         ),
@@ -308,12 +317,15 @@ def deadband_parameters() -> tuple[ModelVariable, ...]:
 
 
 def packet_counters(depends_on: tuple[str, ...] = ()) -> tuple[ModelVariable, ...]:
-    """How much the deadband saves: 1 - sent / due; ``depends_on`` adds to the fingers' inputs."""
+    """How much the deadband saves, 1 - sent / due; what is due and not sent is a keep-alive.
+
+    ``depends_on`` adds to the fingers' inputs.
+    """
     return (
         output("packets_due", "Packets so far, one each network period", None),
         output(
             "packets_sent",
-            "Packets so far with new content",
+            "Packets so far with content; the others are keep-alives",
             None,
             (*ALL_FINGER_INPUTS, *depends_on),
         ),

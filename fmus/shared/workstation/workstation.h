@@ -32,11 +32,8 @@ static const char *station_set_up(const Variables *v, Station *station, StationS
     station->period = v->sample_period;
     station->deadband = (Deadband){
         .fraction = v->deadband,
-        .position = v->deadband_position,
-        .angle = v->deadband_angle,
-        .velocity = v->deadband_velocity,
-        .rate = v->deadband_rate,
         .force = v->deadband_force,
+        .arm = v->deadband_arm,
         .samples = v->network_ticks,
         .longest = v->deadband_longest,
         .period = v->sample_period,
@@ -133,6 +130,15 @@ static int64_t station_age(const Variables *v)
 {
     const int64_t first = v->finger[0].sample_age, second = v->finger[1].sample_age;
     return v->fingers > 1 && second > first ? second : first;
+}
+
+/* The largest force that an own finger was given, N: what a user of this box feels of it. */
+static inline double station_felt(const StationState *state)
+{
+    double largest = 0.0;
+    for (int f = 0; f < FINGERS; f++)
+        largest = fmax(largest, hypot(state->finger[f].port.effort.x, state->finger[f].port.effort.y));
+    return largest;
 }
 
 /* The fingers' part of a packet. */
