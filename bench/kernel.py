@@ -1,12 +1,13 @@
 """The master against a bare C loop over the same FMUs, in one interleaved run.
 
-    uv run python bench/kernel.py [SCENARIO] [--seconds 10] [--rounds 5]
+    uv run python bench/kernel.py [SCENARIO|ring:N] [--seconds 10] [--rounds 5]
 
 The bare loop is straight-line C, written out for the scenario and compiled here: every address,
 value reference and count is a constant in it; it checks no value, records nothing and cannot be
 stopped. Both run in slices of 1024 ticks, one after the other, so that whatever else the machine
 does hits both, and what is counted is the thread's processor time; in the end all variables of all
-FMUs must agree bit for bit.
+FMUs must agree bit for bit. ``ring:8`` is a ring of eight light FMUs. With a record the bare loop
+is run with a binary log as well: what is recorded goes through ``fwrite`` into a file.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from rings import scenario as ring  # bench/rings.py, beside this file
 
 from cosim.base.recording import MemorySink
 from cosim.master.kernel.native import OperationKind, OperationStruct
@@ -48,6 +50,7 @@ HEAD = """
 typedef union { double r; int64_t i; } Cell;
 typedef int (*A2)(void *, const uint32_t *, size_t, void *);
 typedef int (*A3)(void *, const uint32_t *, size_t, void *, size_t);
+typedef size_t (*W)(const void *, size_t, size_t, void *);
 typedef int (*S2)(void *, double, double, int);
 typedef int (*S3)(void *, double, double, bool, bool *, bool *, bool *, double *);
 #define P(TYPE, ADDRESS) ((TYPE)(uintptr_t)(ADDRESS))
@@ -69,7 +72,25 @@ def copies(operation: OperationStruct, count: int) -> str:
     return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation, count))
 
 
-def statements(simulation: Simulation) -> list[str]:
+def binary_log(file: Path) -> tuple[int, int]:
+    """The addresses of ``fwrite`` and of a file that is open for it."""
+    libc = ctypes.CDLL(None)
+    libc.fopen.restype = ctypes.c_void_p
+    stream = libc.fopen(str(file).encode(), b"wb")
+    return ctypes.cast(libc.fwrite, ctypes.c_void_p).value or 0, stream
+
+
+def logged(operation: OperationStruct, log: tuple[int, int] | None) -> str:
+    if log is None:
+        return ""
+    count = operation.cell_count
+    columns = ctypes.cast(operation.table, ctypes.POINTER(ctypes.c_int32))
+    row = " ".join(f"row[{i}] = c[{columns[i]}];" for i in range(count))
+    call = f"P(W, {log[0]}ULL)(row, 8, {count}, P(void *, {log[1]}ULL));"
+    return f"Cell row[{count}]; {row} {call}"
+
+
+def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]:
     """One statement an operation of an ordinary tick."""
     program = simulation.program
     base = program.cells.ctypes.data
@@ -89,7 +110,7 @@ def statements(simulation: Simulation) -> list[str]:
         if number in early:
             continue
         operation, action = program._operations[number], program.actions[number]
-        text = statement(simulation, operation, base)
+        text = statement(simulation, operation, base, log)
         if not text:
             continue
         guard = f"if (k % {action.period} == 0) " if action.period > 1 else ""
@@ -97,7 +118,9 @@ def statements(simulation: Simulation) -> list[str]:
     return written
 
 
-def statement(simulation: Simulation, operation: OperationStruct, base: int) -> str:
+def statement(
+    simulation: Simulation, operation: OperationStruct, base: int, log: tuple[int, int] | None
+) -> str:
     """What the bare loop does in place of one operation."""
     kind = OperationKind(operation.kind)
     if kind is OperationKind.COPY:
@@ -114,7 +137,7 @@ def statement(simulation: Simulation, operation: OperationStruct, base: int) -> 
     if kind in {OperationKind.DELIVER, OperationKind.SAMPLE, OperationKind.SEND}:
         return packet(simulation, operation, kind)
     if kind is OperationKind.RECORD:
-        return ""
+        return logged(operation, log)
     raise SystemExit(f"the bare loop cannot do {kind.name}: choose a scenario of FMUs only")
 
 
@@ -189,9 +212,11 @@ def packet(simulation: Simulation, operation: OperationStruct, kind: OperationKi
     )
 
 
-def compile_bare(simulation: Simulation, folder: Path) -> Callable[[int, int], int]:
+def compile_bare(
+    simulation: Simulation, folder: Path, log: tuple[int, int] | None = None
+) -> Callable[[int, int], int]:
     """The bare loop over ticks [k, end) of a simulation that has been started."""
-    body = "\n".join(statements(simulation))
+    body = "\n".join(statements(simulation, log))
     rings = "\n".join(
         f"static Cell ring{number}[{(b.fates.shortest // b.period + 1) * len(b.entries)}];"
         for number, b in enumerate(simulation.assembly.wiring.bundles)
@@ -216,7 +241,9 @@ def compile_bare(simulation: Simulation, folder: Path) -> Callable[[int, int], i
     return function
 
 
-def measure(scenario: Scenario, folder: Path, *, recorded: bool) -> tuple[float, float]:
+def measure(
+    scenario: Scenario, folder: Path, *, recorded: bool, log: bool = False
+) -> tuple[float, float]:
     """Processor time (s) of the master's loop and of the bare loop."""
     written = scenario if recorded else replace(scenario, record=())
     ticks, sink = scenario.ticks, MemorySink() if recorded else None
@@ -225,7 +252,8 @@ def measure(scenario: Scenario, folder: Path, *, recorded: bool) -> tuple[float,
             simulation._start(ticks, recorded=recorded)
         if sink is not None:
             sink.begin(master_run.groups, scenario.base_rate)
-        bare = compile_bare(bare_run, folder)
+        stream = binary_log(folder / "log.bin") if log else None
+        bare = compile_bare(bare_run, folder, stream)
         master_time = bare_time = 0.0
         for begin in range(0, ticks, SLICE):
             end = min(ticks, begin + SLICE)
@@ -242,6 +270,8 @@ def measure(scenario: Scenario, folder: Path, *, recorded: bool) -> tuple[float,
         )
         if not agree:
             raise SystemExit("the two loops do not agree: the comparison is void")
+        if stream is not None:
+            ctypes.CDLL(None).fclose(ctypes.c_void_p(stream[1]))
     return master_time, bare_time
 
 
@@ -251,20 +281,32 @@ def main() -> None:
     parser.add_argument("--seconds", default="10")
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
-    scenario = load(options.scenario, sets=[f"duration={options.seconds}"])
+    with tempfile.TemporaryDirectory() as folder:
+        scenario = chosen(options.scenario, options.seconds, Path(folder))
     print(f"{options.scenario}, {options.seconds} s, {scenario.ticks} ticks, slices of {SLICE}")
-    for recorded in (False, True):
+    for recorded, log, what in (
+        (False, False, "off"),
+        (True, False, "on"),
+        (True, True, "on, to a binary log"),
+    ):
         ratios: list[float] = []
         for _ in range(options.rounds):
             with tempfile.TemporaryDirectory() as folder:
-                master, bare = measure(scenario, Path(folder), recorded=recorded)
+                master, bare = measure(scenario, Path(folder), recorded=recorded, log=log)
             ratios.append(master / bare)
             per_tick = 1e6 / scenario.ticks
             print(
-                f"  recording {'on ' if recorded else 'off'}: master {master * per_tick:6.2f} us "
-                f"a tick, bare C {bare * per_tick:6.2f}, ratio {ratios[-1]:.3f}"
+                f"  recording {what}: master {master * per_tick:6.2f} us a tick, "
+                f"bare C {bare * per_tick:6.2f}, ratio {ratios[-1]:.3f}"
             )
-        print(f"  median ratio, recording {'on' if recorded else 'off'}: {np.median(ratios):.3f}")
+        print(f"  median ratio, recording {what}: {np.median(ratios):.3f}")
+
+
+def chosen(name: str, seconds: str, folder: Path) -> Scenario:
+    kind, _, size = name.partition(":")
+    if kind == "ring":
+        return ring(int(size), "ring", round(1024 * float(seconds)), folder)
+    return load(name, sets=[f"duration={seconds}"])
 
 
 if __name__ == "__main__":

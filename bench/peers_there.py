@@ -6,6 +6,7 @@ the positions that the last tick read.
 
 from __future__ import annotations
 
+import ctypes
 import json
 import shutil
 import sys
@@ -90,10 +91,31 @@ def with_libcosim(path: str, size: int, shape: str, ticks: int) -> tuple[float, 
     ]
 
 
+def with_ecos(path: str, size: int, shape: str, ticks: int) -> tuple[float, list[float]]:
+    """ecos' fixed-step master; its library asks for oneTBB, which pip puts under ``lib``."""
+    ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    structure = EcosSimulationStructure()
+    for number in range(size):
+        structure.add_model(f"m{number}", path)
+        if number + 1 < size or shape == "ring":
+            structure.make_real_connection(f"m{number}::position", f"m{(number + 1) % size}::force")
+    given = {f"m{number}::mass": 1.0 for number in range(size)} | {"m0::initial_position": 0.25}
+    structure.add_parameter_set("given", given)
+    simulation = EcosSimulation(step_size=STEP, structure=structure)
+    simulation.init(parameter_set="given")
+    # Its values are those behind its last step: ours are read before it.
+    began = time.perf_counter()
+    simulation.step(ticks - 1)
+    seconds = (time.perf_counter() - began) * ticks / (ticks - 1)
+    return seconds, [simulation.get_real(f"m{number}::position") for number in range(size)]
+
+
 def main() -> None:
     peer, path, size, shape, ticks = sys.argv[1:]
     references(path)
-    run = {"fmpy": with_fmpy, "libcosim": with_libcosim}[peer]
+    run = {"fmpy": with_fmpy, "libcosim": with_libcosim, "ecos": with_ecos}[peer]
     seconds, positions = run(str(Path(path).absolute()), int(size), shape, int(ticks))
     print(json.dumps({"seconds": seconds, "positions": positions}), flush=True)
 

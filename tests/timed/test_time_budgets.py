@@ -52,7 +52,19 @@ def figure(pattern: str, bench: str, *arguments: str) -> float:
             ("kernel.py", "two_users_box"),
         ),
         (
-            "times the bare C loop with a binary log, everything recorded",
+            "times the bare C loop over a ring of eight light FMUs, nothing recorded",
+            1.3,
+            r"median ratio, recording off: ([\d.]+)",
+            ("kernel.py", "ring:8", "--seconds", "60", "--rounds", "7"),
+        ),
+        (
+            "times the bare C loop over that ring with a binary log, everything recorded",
+            1.2,
+            r"median ratio, recording on, to a binary log: ([\d.]+)",
+            ("kernel.py", "ring:8", "--seconds", "60", "--rounds", "7"),
+        ),
+        (
+            "times the bare C loop, everything recorded",
             1.4,
             r"median ratio, recording on: ([\d.]+)",
             ("kernel.py", "two_users_box"),
