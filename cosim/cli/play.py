@@ -178,19 +178,16 @@ def _with_hands(
     Raises:
         InputError: it cannot be read, or nobody can be played.
     """
+    from cosim.cli.support.hands import laid_over
     from cosim.live.hands import users_of, with_hands
     from cosim.live.knobs import knobs_of, others_events, with_panels
     from cosim.reading import load
 
     emulated = load(scenario, overlays, sets)
     users, knobs = users_of(emulated), knobs_of(emulated)
-    with tempfile.TemporaryDirectory() as folder:
-        hands = Path(folder) / "hands.yaml"
-        hands.write_text(json.dumps(with_hands(emulated, users)), encoding="utf-8")
-        panels = Path(folder) / "panels.yaml"
-        panels.write_text(json.dumps(with_panels(emulated, knobs)), encoding="utf-8")
-        events = f"events={json.dumps(others_events(emulated, knobs))}"
-        return users, knobs, load(scenario, (*overlays, hands, panels), (*sets, lasting, events))
+    documents = {"hands": with_hands(emulated, users), "panels": with_panels(emulated, knobs)}
+    events = f"events={json.dumps(others_events(emulated, knobs))}"
+    return users, knobs, laid_over(scenario, overlays, documents, (*sets, lasting, events))
 
 
 def _takes(

@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,6 +59,9 @@ if TYPE_CHECKING:
     help="Ask the system for real-time scheduling (a station always runs in real time).",
 )
 @page_options
+@click.option(
+    "--play", is_flag=True, help="Let the page's pointer be the hand of this station's user."
+)
 @miss_options
 @output_options
 @click.option("--out", type=OutputFolder(), help="Folder for the run; new or empty.")
@@ -77,6 +81,7 @@ def command(
     realtime: bool,
     live: bool,
     live_at: str | None,
+    play: bool,
     on_miss: Policy | None,
     cpu: int | None,
     enable_output: bool,
@@ -96,7 +101,10 @@ def command(
     from cosim.base.system.grants import clock_nanosleep
     from cosim.cli.support.check_devices import DeviceJudge
     from cosim.cli.support.devices import device_session, say
+    from cosim.cli.support.hands import with_station_hands
     from cosim.link.wire.address import Address
+    from cosim.live.mailbox import Mailbox
+    from cosim.live.pointer import Pointer
     from cosim.reading import load
     from cosim.realtime.paced_run import PacedRun
     from cosim.station.run import Arrangement, run_station
@@ -106,7 +114,10 @@ def command(
         signal.signal(number, signal.default_int_handler)
     if duration is not None:
         sets = (*sets, f"duration={duration}")
-    loaded = load(scenario, overlays, sets)
+    if play:
+        user, loaded = with_station_hands(scenario, overlays, sets, own)
+    else:
+        user, loaded = None, load(scenario, overlays, sets)
     refuse_without_devices(
         loaded, enable_output=enable_output, yes=yes, dead_man=dead_man, station=own
     )
@@ -125,7 +136,20 @@ def command(
         sleep=clock_nanosleep(),
         theory=longest_delay,
     )
-    with live_page(live=live, live_at=live_at, wanted=str(os.getpid())), ended(console):
+    with ExitStack() as stack:
+        boxes: dict[str, Mailbox] = {}
+        if user is not None:
+            boxes[own] = Mailbox.create()
+            stack.callback(boxes[own].remove)
+        stack.enter_context(
+            live_page(
+                live=live or play,
+                live_at=live_at,
+                wanted=str(os.getpid()),
+                mailboxes={name: box.path for name, box in boxes.items()},
+            )
+        )
+        stack.enter_context(ended(console))
         finished = run_station(
             loaded,
             own,
@@ -135,6 +159,7 @@ def command(
             out=out,
             figure=figure,
             page=report,
+            instances={} if user is None else {user.pointer: Pointer(boxes[own])},
         )
     if as_json:
         click.echo(json.dumps(finished.summary.content))

@@ -31,8 +31,9 @@ class ServerProcess:
     """Starts the server, knows its address, and ends it; a context manager.
 
     ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
-    user), ``panels`` (by station) and ``control`` are the shared memory of ``cohaptic play``,
-    ``knobs`` what its pages may turn, ``theory`` what is known of them.
+    user) are the shared memory of users whom pages may move, ``panels`` (by station) and
+    ``control`` that of ``cohaptic play``, ``knobs`` what its pages may turn, ``theory`` what is
+    known of them.
     """
 
     def __init__(
@@ -101,14 +102,15 @@ def main(told: Mapping[str, Any]) -> None:
     from cosim.realtime.ring import Ring
 
     seats = None
-    if told["control"] is None:
+    if not told["mailboxes"]:
         with suppress(OSError):
             os.nice(NICENESS)
-    if told["control"] is not None:
+    else:
         boxes = {user: Mailbox.attach(Path(path)) for user, path in told["mailboxes"].items()}
         rings = {station: Ring(Path(path)) for station, path in told["panels"].items()}
         knobs = [knob_of(knob) for knob in told["knobs"]]
-        control = PlayControl.attach(Path(told["control"]))
+        asked = told["control"]
+        control = None if asked is None else PlayControl.attach(Path(asked))
         seats = Seats(boxes, control, Panels(knobs, rings), told["theory"])
     settings = Serving(
         host=told["host"], port=told["port"], wanted=told["wanted"], play=seats is not None

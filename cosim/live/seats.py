@@ -44,12 +44,15 @@ class _Clock:
 
 
 class Seats:
-    """The users of a run, their mailboxes, and the pages that hold them."""
+    """The users of a run, their mailboxes, and the pages that hold them.
+
+    Without a ``control`` the run keeps its pace, as one over a real link has to.
+    """
 
     def __init__(
         self,
         mailboxes: Mapping[str, Mailbox],
-        control: PlayControl,
+        control: PlayControl | None = None,
         panels: Panels | None = None,
         theory: Mapping[str, Any] | None = None,
     ) -> None:
@@ -92,7 +95,7 @@ class Seats:
             "user": viewer.user,
             "users": list(self._mailboxes),
             "taken": sorted(self._held),
-            "control": self._control.told(),
+            "control": None if self._control is None else self._control.told(),
             "knobs": self._panels.told(),
         }
 
@@ -114,7 +117,7 @@ class Seats:
             return True
         if viewer.user is not None and "hand" in message:
             self._hand(viewer.user, message["hand"])
-        if viewer.user is not None and "control" in message:
+        if viewer.user is not None and self._control is not None and "control" in message:
             return self._control.hear(message["control"])
         if viewer.user is not None and "knobs" in message:
             return self._panels.hear(message["knobs"])

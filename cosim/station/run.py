@@ -9,6 +9,7 @@ from math import lcm
 from pathlib import Path
 from typing import Any, Protocol
 
+from cosim.base.component import Component
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.link.session.client import HandshakeProcess
@@ -108,8 +109,11 @@ def run_station(
     out: Path | None = None,
     figure: bool = True,
     page: bool | None = None,
+    instances: Mapping[str, Component] | None = None,
 ) -> Finished:
     """Run station ``own`` of a scenario in real time, linked to the others.
+
+    ``instances`` holds components of the station that exist already, by name.
 
     Raises:
         InputError: the scenario, a name, an address or the key cannot be used; or a peer runs
@@ -177,7 +181,7 @@ def run_station(
             period=period,
             exchanges=EXCHANGES_TO_CHOOSE if chooses else EXCHANGES,
         )
-        instances = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
+        links = {p.component: remote for p, remote in zip(half.peers, remotes, strict=True)}
         finished = run_scenario(
             half.scenario,
             out,
@@ -185,7 +189,7 @@ def run_station(
             deadlines=execute.statistics,
             figure=figure,
             page=page,
-            instances=instances,
+            instances={**(instances or {}), **links},
             say=say,
             link=execute.found,
         )

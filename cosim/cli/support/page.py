@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -29,8 +30,16 @@ def page_options(command: Command) -> Command:
 
 
 @contextmanager
-def live_page(*, live: bool, live_at: str | None, wanted: str | None) -> Generator[None]:
+def live_page(
+    *,
+    live: bool,
+    live_at: str | None,
+    wanted: str | None,
+    mailboxes: Mapping[str, Path] | None = None,
+) -> Generator[None]:
     """The page of the run that ``wanted`` names, while it goes on; nothing without ``live``.
+
+    ``mailboxes`` are those of the users whose hands it may move.
 
     Raises:
         InputError: it cannot be served there, or is asked to be served nowhere.
@@ -44,8 +53,9 @@ def live_page(*, live: bool, live_at: str | None, wanted: str | None) -> Generat
     from cosim.live.access import listening
     from cosim.live.process import ServerProcess
 
-    with ServerProcess(listening(live_at or ANYWHERE), wanted) as server:
-        say(f"live page: {server.address()}")
+    where = listening(live_at or ANYWHERE)
+    with ServerProcess(where, wanted, mailboxes=mailboxes) as server:
+        say(f"{'play at' if mailboxes else 'live page'}: {server.address()}")
         yield
 
 

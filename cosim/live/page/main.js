@@ -287,6 +287,7 @@ function takeSeats(told) {
   const playing = run?.scene.pointers.length > 0;
   $("controls").hidden = !playing;
   $("help").hidden = !playing;
+  $("second").hidden = told.users.length < 2;
   scene.own = told.user;
   const pointer = run?.scene.pointers.find((each) => each.station === told.user);
   hand.take(pointer ? pointer.fingers.map((finger) => finger.reach) : null);
@@ -297,10 +298,13 @@ function takeSeats(told) {
     option.selected = name === told.user;
     return option;
   }));
-  const { speed, paused, speeds } = told.control;
-  $("speed").replaceChildren(...speeds.map((each) => new Option(`${each * 100} %`, each, false, each === speed)));
-  $("pause").setAttribute("aria-pressed", paused);
-  $("step").disabled = !paused;
+  $("pace").hidden = !told.control;
+  if (told.control) {
+    const { speed, paused, speeds } = told.control;
+    $("speed").replaceChildren(...speeds.map((each) => new Option(`${each * 100} %`, each, false, each === speed)));
+    $("pause").setAttribute("aria-pressed", paused);
+    $("step").disabled = !paused;
+  }
   showKnobs(told.knobs);
   showTheory(told);
 }
