@@ -35,6 +35,7 @@ COMMANDS = {
     "scenarios": "List the bundled scenarios, with a sentence and a picture each.",
     "ssp": "Read systems of SSP and OSP, and write scenarios as SSP.",
     "station": "Run one workstation of a scenario, linked to the others over UDP.",
+    "study": "Studies with people: trials in order, questions, a tidy table.",
     "sweep": "Run a scenario many times: grids, samples, seeds, boundaries.",
     "thesis": "Rerun the experiments of chapters 7 and 8 and judge the thesis by them.",
     "theory": "Stability, transparency, damping and design (chapters 3 to 6).",

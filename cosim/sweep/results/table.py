@@ -47,12 +47,20 @@ def write_table(outcome: SweepOutcome, file: Path) -> None:
     Raises:
         InputError: another format, what it needs is not installed, or the file cannot be written.
     """
-    columns = columns_of(outcome)
+    write_columns(columns_of(outcome), units_of(outcome), file)
+
+
+def write_columns(columns: Columns, units: Mapping[str, str], file: Path) -> None:
+    """Write columns of one length as CSV or Parquet, as the file's name says.
+
+    Raises:
+        InputError: another format, what it needs is not installed, or the file cannot be written.
+    """
     match file.suffix.lower():
         case ".csv":
             _write_csv(columns, file)
         case ".parquet":
-            _write_parquet(columns, units_of(outcome), file)
+            _write_parquet(columns, units, file)
         case _:
             raise InputError(f"{file}: a table ends in {' or '.join(FORMATS)}.")
 

@@ -1,0 +1,1 @@
+"""What ``cohaptic study`` does at a terminal: trials and questions."""

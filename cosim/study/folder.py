@@ -1,0 +1,102 @@
+"""The folder of a study: its plan, who takes part, who is left out of it and why."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from cosim.base.errors import InputError
+from cosim.base.system.writing import writing
+from cosim.study.log import Entry, StepLog, read_lines
+from cosim.study.plan import StudyPlan
+
+STUDY_FILE, PEOPLE_FILE, EXCLUSIONS_FILE = "study.json", "people.jsonl", "exclusions.jsonl"
+CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
+
+
+@dataclass(frozen=True, slots=True)
+class StudyFolder:
+    """Where a study is kept."""
+
+    path: Path
+
+    def begin(self, plan: StudyPlan) -> None:
+        """Make the folder for a plan, or go on with it.
+
+        Raises:
+            InputError: it belongs to another plan, or cannot be written.
+        """
+        file = self.path / STUDY_FILE
+        if file.is_file():
+            known = json.loads(file.read_text(encoding="utf-8"))
+            if known.get("plan_sha256") != plan.digest:
+                raise InputError(
+                    f"{plan.file} is not the plan that the study in {self.path} began with; a "
+                    "study keeps its plan. Put it back, or begin another study with --out."
+                )
+            return
+        if self.path.is_dir() and any(self.path.iterdir()):
+            raise InputError(f"{self.path} is not empty and holds no study; choose another folder.")
+        with writing(file):
+            self.path.mkdir(parents=True, exist_ok=True)
+            (self.path / "plan.yaml").write_bytes(plan.file.read_bytes())
+            about = {"study": 1, "title": plan.form.title, "plan_sha256": plan.digest}
+            file.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+
+    def number_of(self, code: str) -> int:
+        """Which participant this is, from 0; the next free number the first time.
+
+        Raises:
+            InputError: it is no code, or another session is writing.
+        """
+        if not CODE.fullmatch(code):
+            raise InputError(f"'{code}' is no code: letters, digits, - and _, at most 32 of them.")
+        with StepLog(self.path / PEOPLE_FILE) as people:
+            for entry in people.entries:
+                if entry["code"] == code:
+                    return int(entry["number"])
+            number = len(people.entries)
+            people.append({"code": code, "number": number, "since": now()})
+            return number
+
+    def codes(self) -> list[str]:
+        """Who takes part, in the order of their numbers."""
+        return [str(entry["code"]) for entry in read_lines(self.path / PEOPLE_FILE)]
+
+    def of(self, code: str) -> Path:
+        """A participant's folder."""
+        return self.path / "people" / code
+
+    def exclude(self, code: str, trial: int | None, reason: str) -> None:
+        """Leave a participant, or one trial, out of what is computed; nothing is deleted.
+
+        Raises:
+            InputError: there is none, or no reason.
+        """
+        if code not in self.codes():
+            raise InputError(f"nobody called '{code}' takes part in {self.path}.")
+        trials = [each.get("trial") for each in read_lines(self.of(code) / "log.jsonl")]
+        if trial is not None and trial not in trials:
+            raise InputError(f"{code} has no trial {trial}.")
+        if not reason.strip():
+            raise InputError("an exclusion has a reason.")
+        with StepLog(self.path / EXCLUSIONS_FILE) as exclusions:
+            entry: Entry = {"code": code, "trial": trial, "reason": reason.strip(), "when": now()}
+            exclusions.append(entry)
+
+    def excluded(self, code: str, trial: int) -> str:
+        """Why a trial is left out; empty where it is not."""
+        reasons = [
+            str(entry["reason"])
+            for entry in read_lines(self.path / EXCLUSIONS_FILE)
+            if entry["code"] == code and entry["trial"] in {None, trial}
+        ]
+        return "; ".join(reasons)
+
+
+def now() -> str:
+    """The time, for people."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,0 +1,76 @@
+"""Questions and what is an answer to them; the scales of NASA-TLX.
+
+The workload index has six scales from 0 to 100 in steps of 5 (Hart and Staveland 1988); what is
+kept is each scale and their mean, which is the index without weights (Hart 2006).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+from cosim.study.form import QuestionForm
+
+Answer = bool | float | str
+Ask = Callable[[str, QuestionForm], Answer]
+"""Puts a question, by its name, to somebody."""
+
+TLX_STEP = 5
+
+
+def _scale(ask: str, low: str, high: str) -> QuestionForm:
+    return QuestionForm(ask=ask, kind="scale", least=0.0, most=100.0, labels=[low, high])
+
+
+NASA_TLX: Mapping[str, QuestionForm] = {
+    "tlx_mental": _scale("How much thinking did it take?", "very little", "very much"),
+    "tlx_physical": _scale("How much bodily effort did it take?", "very little", "very much"),
+    "tlx_temporal": _scale("How hurried did you feel?", "not at all", "very"),
+    "tlx_performance": _scale("How well did you do what was asked?", "perfectly", "not at all"),
+    "tlx_effort": _scale("How hard did you work for that?", "very little", "very hard"),
+    "tlx_frustration": _scale("How annoyed or discouraged were you?", "not at all", "very"),
+}
+
+
+def parse_answer(question: QuestionForm, text: str) -> Answer:
+    """What somebody typed as an answer.
+
+    Raises:
+        ValueError: it is none; the message says what would be.
+    """
+    given = text.strip()
+    match question.kind:
+        case "yes_no":
+            if given.lower() in {"y", "yes"}:
+                return True
+            if given.lower() in {"n", "no"}:
+                return False
+            raise ValueError("Answer y or n.")
+        case "choice":
+            if given in question.labels:
+                return given
+            raise ValueError(f"Answer {', '.join(question.labels[:-1])} or {question.labels[-1]}.")
+        case "text":
+            return given
+        case "scale" | "number":
+            return _number(question, given)
+
+
+def _number(question: QuestionForm, given: str) -> float:
+    low = -math.inf if question.least is None else question.least
+    high = math.inf if question.most is None else question.most
+    limits = f" from {low:g} to {high:g}" if math.isfinite(low + high) else ""
+    whole = question.kind == "scale"
+    kind = "a whole number" if whole else "a number"
+    try:
+        value = float(given)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high or not math.isfinite(value) or (whole and value % 1):
+        raise ValueError(f"Answer {kind}{limits}.")
+    return value
+
+
+def tlx_index(answers: Mapping[str, Answer]) -> float:
+    """The mean of the six scales."""
+    return sum(float(answers[name]) for name in NASA_TLX) / len(NASA_TLX)

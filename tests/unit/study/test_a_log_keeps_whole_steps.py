@@ -1,0 +1,103 @@
+"""A step is kept whole or not at all, by one session at a time."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cosim.base.errors import InputError
+from cosim.study.folder import StudyFolder
+from cosim.study.log import StepLog, read_lines
+from cosim.study.plan import read_study
+
+
+@given(
+    cut=st.integers(0, 200), entries=st.lists(st.dictionaries(st.text(max_size=5), st.integers()))
+)
+def test_cut_anywhere_it_has_the_steps_before(
+    tmp_path_factory: pytest.TempPathFactory, cut: int, entries: list[dict[str, int]]
+) -> None:
+    file = tmp_path_factory.mktemp("log") / "log.jsonl"
+    with StepLog(file) as log:
+        for entry in entries:
+            log.append(entry)
+    content = file.read_bytes()
+    file.write_bytes(content[: max(0, len(content) - cut)])
+    kept = read_lines(file)
+    assert kept == entries[: len(kept)]
+    with StepLog(file) as log:
+        assert log.entries == kept
+        log.append({"next": 1})
+    assert [json.loads(line) for line in file.read_text().splitlines()] == [*kept, {"next": 1}]
+
+
+def test_one_session_at_a_time(tmp_path: Path) -> None:
+    with StepLog(tmp_path / "log.jsonl"), pytest.raises(InputError, match="another session"):
+        StepLog(tmp_path / "log.jsonl")
+
+
+def test_a_line_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "log.jsonl").write_text('{"a": 1}\nspoiled\n')
+    with pytest.raises(InputError, match=r"log\.jsonl:2"):
+        StepLog(tmp_path / "log.jsonl")
+
+
+STAIRCASE = "{{vary: v, least: 0, most: 1, start: {start}, steps: {steps}, answer: a}}"
+PLAN = """\
+study: 1
+scenario: single_axis_distributed
+conditions: {one: {}, two: {}}
+trials: 2
+"""
+
+
+def test_a_study_keeps_its_plan_and_an_exclusion_its_reason(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(PLAN)
+    folder = StudyFolder(tmp_path / "study")
+    folder.begin(read_study(plan))
+    assert [folder.number_of(code) for code in ("a", "b", "a")] == [0, 1, 0]
+    with pytest.raises(InputError, match="nobody called 'c'"):
+        folder.exclude("c", None, "left")
+    with pytest.raises(InputError, match="has a reason"):
+        folder.exclude("a", None, " ")
+    with pytest.raises(InputError, match="no trial 3"):
+        folder.exclude("a", 3, "slept")
+    folder.exclude("a", None, "slept")
+    assert folder.excluded("a", 7) == "slept"
+    assert folder.excluded("b", 7) == ""
+    plan.write_text(PLAN + "seed: 4\n")
+    with pytest.raises(InputError, match="keeps its plan"):
+        folder.begin(read_study(plan))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("questions: {a: {ask: x, kind: scale}}", "a scale has"),
+        ("questions: {a: {ask: x, least: 1}}", "of a scale or a number"),
+        ("questions: {a: {ask: x, kind: number, least: 2, most: 1}}", "not below"),
+        ("questions: {a: {ask: x, kind: choice, labels: [b]}}", "two 'labels' or more"),
+        ("questions: {a: {ask: x, labels: [b, c]}}", "of a choice or a scale"),
+        (
+            f"staircase: {STAIRCASE.format(start=2, steps='[1]')}",
+            "start between",
+        ),
+        (
+            f"staircase: {STAIRCASE.format(start=1, steps='[1]')}",
+            "no yes-or-no",
+        ),
+        (f"staircase: {STAIRCASE.format(start=1, steps='[]')}", "steps"),
+        ("emulated: {threshold: {one: 1}, slope: 1}", "there is none"),
+        ("trial: 3", "trials"),
+    ],
+)
+def test_a_plan_whose_parts_do_not_fit_is_refused(more: str, said: str, tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(f"{PLAN}{more}\n")
+    with pytest.raises(InputError, match=said):
+        read_study(plan)
