@@ -31,8 +31,6 @@ READ = {
         "render RUN",
         "ssp import FILE",
     ),
-    *("merge RUNS", "record compact RUN", "record digest RUNS", "record export RUN"),
-    *("record list RUN", "record summary RUN", "render RUN", "ssp import FILE"),
     *("study run PLAN", "study table PLAN", "study exclude PLAN"),
     *("compare ONE", "compare OTHER", "replay RUN", "runs FOLDER"),
 }
