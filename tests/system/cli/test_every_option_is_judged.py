@@ -24,13 +24,8 @@ READ = {
     *("device check --file", "device home --file", "device calibrate --file", "keygen FILE"),
     "device conform --file",
     *("merge RUNS", "record compact RUN", "record compress RUNS", "record digest RUNS"),
-    *(
-        "record export RUN",
-        "record list RUN",
-        "record summary RUN",
-        "render RUN",
-        "ssp import FILE",
-    ),
+    *("record export RUN", "record list RUN", "record summary RUN", "render RUN"),
+    "ssp import FILE",
     *("study run PLAN", "study table PLAN", "study exclude PLAN"),
     *("compare ONE", "compare OTHER", "replay RUN", "runs FOLDER"),
 }
