@@ -32,7 +32,7 @@ def test_cut_anywhere_it_has_the_steps_before(
     with StepLog(file) as log:
         assert log.entries == kept
         log.append({"next": 1})
-    assert [json.loads(line) for line in file.read_text().splitlines()] == [*kept, {"next": 1}]
+    assert [json.loads(line) for line in file.read_bytes().splitlines()] == [*kept, {"next": 1}]
 
 
 def test_one_session_at_a_time(tmp_path: Path) -> None:
