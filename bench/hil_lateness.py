@@ -4,8 +4,9 @@
 
 For no device, the simulated one (mock) and every driver on its emulator: lateness of the 1024 Hz
 loop and cyclictest's, side by side, at p50, p99 and p99.9; the time of a tick's read and write; and
-the round trip from a written command to its answer, where the protocol answers commands. Needs a
-user who may use SCHED_FIFO. A line is void where the host stole the processors.
+the round trip from a written command to its answer, where the protocol answers commands; and at the
+end the ratios in one table. Needs a user who may use SCHED_FIFO. A line is void where the host
+stole the processors; a loop that fails ends with status 1.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from host import Host, compare, verdict
+from host import SHARES, Host, compare, machine, ratios, verdict
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -111,6 +112,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--only", nargs="*", choices=ARRANGEMENTS)
     options = parser.parse_args()
+    table: list[str] = []
+    failed = False
     for name in options.only or ARRANGEMENTS:
         bench = Bench()
         try:
@@ -130,9 +133,11 @@ def main() -> None:
         print(f"{name}: {verdict(seen)}")
         if found is None:
             print("  the loop failed")
+            failed = True
             continue
         deadlines = found["deadlines"]
         compare(name, deadlines, seen)
+        table.append(ratios(name, deadlines, seen))
         print(
             f"  misses {deadlines['misses']} of {deadlines['ticks']} (cyclictest "
             f"{seen.get('misses', 0):.0f} of {seen.get('wakes', 0):.0f}), worst "
@@ -146,6 +151,12 @@ def main() -> None:
                 f"  read and write {middle:.0f} us, p99 {high:.0f} us; answer after {told}; "
                 f"ticks without a new sample {found['aged']:.2%}; {found['state']}"
             )
+    print(f"\nLateness by cyclictest's in the same seconds (us), on {machine()}:\n")
+    print("| device | " + " | ".join((*SHARES, "worst")) + " | host |")
+    print("|---" * (len(SHARES) + 3) + "|")
+    print("\n".join(table))
+    if failed:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":

@@ -55,6 +55,24 @@ def verdict(found: dict[str, float]) -> str:
     return f"valid ({stolen})"
 
 
+def machine() -> str:
+    """What this is measured on, in a sentence."""
+    named = re.search(r"model name\s*: (.+)", Path("/proc/cpuinfo").read_text())
+    name = named[1] if named else os.uname().machine
+    return f"{os.cpu_count()} x {name}, Linux {os.uname().release}"
+
+
+def ratios(name: str, ours: dict[str, float], host: dict[str, float]) -> str:
+    """A row of the table of ratios: lateness in us beside cyclictest's, with their ratio."""
+    cells = [name]
+    for share in (*SHARES, "worst"):
+        micro, theirs = ours[share] * 1e6, host.get(share)
+        ratio = f"{micro / theirs:.2f}" if theirs else "–"
+        known = f"{theirs:.0f}" if theirs else "–"
+        cells.append(f"**{ratio}** ({micro:.0f} / {known})")
+    return "| " + " | ".join([*cells, verdict(host)]) + " |"
+
+
 def compare(name: str, ours: dict[str, float], host: dict[str, float]) -> None:
     """Print lateness in us beside cyclictest's; ``ours`` is a deadline summary (s)."""
     for share in SHARES:

@@ -39,7 +39,7 @@ class CobsDriver(Driver):
 
     @property
     def watchdog(self) -> Watchdog:
-        """In every command; verified once ``device check`` has seen this board's fire."""
+        """In every command; verified once this board's was seen to fire."""
         timeout = WATCHDOG_MS * 1e-3
         return Watchdog(timeout=timeout, verified=self.watchdog_proved(timeout))
 

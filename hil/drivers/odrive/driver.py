@@ -122,7 +122,7 @@ class OdriveDriver(Driver):
 
     @property
     def watchdog(self) -> Watchdog:
-        """Off in a new ODrive; verified once ``device check`` has seen it fire."""
+        """Off in a new ODrive; verified once it was seen to fire."""
         timeout = self.file.settings_of(OdriveSettings).watchdog.timeout
         if timeout is None:
             return Watchdog()
