@@ -42,6 +42,37 @@ static int parse_line(const char *text, size_t columns, double *values)
     }
 }
 
+/* Whether a field, up to `end`, is nan, inf or infinity, as programs write what is no number. */
+static bool is_no_number(const char *text, const char *end)
+{
+    static const char *const words[] = {"nan", "inf", "infinity"};
+    for (size_t word = 0; word < sizeof words / sizeof *words; ++word) {
+        const char *at = text, *letter = words[word];
+        while (at < end && *letter != '\0' && (*at | 32) == *letter)
+            ++at, ++letter;
+        if (at == end && *letter == '\0')
+            return true;
+    }
+    return false;
+}
+
+/* Whether a line names columns: no field begins as a number does, and none stands for one. */
+static bool is_heading(const char *text)
+{
+    while (*text != '\0') {
+        while (separates(*text))
+            ++text;
+        const char *end = text;
+        while (*end != '\0' && !separates(*end))
+            ++end;
+        const bool like_number = (*text >= '0' && *text <= '9') || (*text >= '+' && *text <= '.');
+        if (end > text && (like_number || is_no_number(text, end)))
+            return false;
+        text = end;
+    }
+    return true;
+}
+
 /* One line without its end; false at the end of the file. `last` is the character that ended it. */
 static bool read_line(Reader *reader, char *line, size_t capacity, int *last, bool *too_long)
 {
@@ -81,7 +112,7 @@ const char *report_read_table(Report *r, const char *path, size_t columns, size_
         if (too_long)
             problem = report_format(r, "%s, line %d: the line is longer than %d characters.", path,
                                     number, LINE - 1);
-        else if (found < 0 && !heading_seen && *count == 0)
+        else if (found < 0 && !heading_seen && *count == 0 && is_heading(text))
             heading_seen = true;
         else if (found < 0)
             problem = report_format(r, "%s, line %d: '%s' is not a list of finite numbers.", path,

@@ -198,6 +198,23 @@ def test_bad_tables_are_refused(tmp_path: Path, text: str | None, words: str) ->
         Instance("signal").initialise(mode=4)
 
 
+@pytest.mark.parametrize("first", ["0,nan", "nan,nan", "NaN;1", "0,-Infinity", "x,1", "inf\t2"])
+def test_a_row_that_is_no_number_is_no_heading(tmp_path: Path, first: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(f"{first}\n1,2\n")
+    with pytest.raises(ModelError, match=r"line 1: .* is not a list of finite numbers"):
+        Instance("signal").initialise(mode=4, table_file=str(path))
+
+
+@pytest.mark.parametrize("heading", ["t,value", "time [s];x [m]", "nanometres information", "#1,2"])
+def test_a_heading_names_columns(tmp_path: Path, heading: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(f"{heading}\n0,3\n1,3\n")
+    signal = Instance("signal", mode=4, table_file=str(path), amplitude=1.0)
+    signal.initialise()
+    assert run(signal, 3)[1] == pytest.approx(3.0)
+
+
 PRESETS = {1: (100.0, 3.0), 2: (300.0, 8.0), 3: (800.0, 15.0)}
 
 
