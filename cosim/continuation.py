@@ -12,11 +12,13 @@ import numpy as np
 
 from cosim.base.errors import InputError, RunError
 from cosim.base.quantities.quantity import QuantityError, quantity
+from cosim.base.recording import TextChanges
 from cosim.master.assembly.clock import Clock
 from cosim.master.run.checkpoint import refuse_unless_resumable
 from cosim.master.run.simulation import Pause, Progress, Simulation
 from cosim.master.run.snapshot import Snapshot, read_snapshot
 from cosim.record.reader import SCENARIO_FILE, Run, open_run
+from cosim.record.texts import RecordedText
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -187,6 +189,7 @@ class Compared:
         self._rows: dict[int, Rows] = {}
         self._last = 0
         self._different: tuple[int, str] | None = None
+        self._texts: dict[tuple[int, int], TextChanges] = {}
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """Begin the record with what there was before the first tick.
@@ -198,7 +201,13 @@ class Compared:
         for group in groups:
             there = self._run.groups.get(group.name)
             names = {column.name for column in group.columns}
-            if there is None or there.period != group.period or set(there.signals) != names:
+            texts = {text.name for text in group.texts}
+            if (
+                there is None
+                or there.period != group.period
+                or set(there.signals) != names
+                or set(there.texts) != texts
+            ):
                 raise InputError(
                     f"{self._run.folder} has something else recorded in the group {group.name}."
                 )
@@ -209,6 +218,10 @@ class Compared:
                 last = min(first + BLOCK_ROWS, end)
                 self._recorder.buffer(number, last - first)[:] = self._before(group, first, last)
                 self._recorder.commit(number, first * group.period, last - first)
+            for column, text in enumerate(group.texts):
+                for tick, content in self._run.groups[group.name].texts[text.name].changes:
+                    if tick < self._first:
+                        self._recorder.put_text(number, column, tick, content)
 
     def buffer(self, group: int, rows: int) -> Rows:
         """The recorder's."""
@@ -225,12 +238,18 @@ class Compared:
             self._last = max(self._last, (last - 1) * described.period)
         self._recorder.commit(group, first_tick, rows)
 
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """Keep a change for ``judge``, and hand it over."""
+        self._texts.setdefault((group, column), TextChanges()).add(tick, content)
+        self._recorder.put_text(group, column, tick, content)
+
     def judge(self, clock: Clock) -> None:
         """Whether both runs had the same rows.
 
         Raises:
             RunError: names the first signal that had another value, and when.
         """
+        self._compare_texts()
         if self._different is not None:
             tick, name = self._different
             raise RunError(
@@ -246,6 +265,20 @@ class Compared:
                 f"It goes on where {self._run.folder} ended, so that there is nothing to compare."
             )
         return f"Ticks {self._first} to {self._last} are those of {self._run.folder}, bit for bit."
+
+    def _compare_texts(self) -> None:
+        for (group, column), changes in self._texts.items():
+            described = self._groups[group]
+            name = described.texts[column].name
+            there = self._run.groups[described.name].texts[name]
+            now = RecordedText(there.column, tuple(changes.changes))
+            ticks = {tick for text in (there, now) for tick, _ in text.changes}
+            ticks |= {-(-self._first // described.period) * described.period}
+            for tick in sorted(ticks):
+                if self._first <= tick <= self._last and there.at(tick) != now.at(tick):
+                    if self._different is None or tick < self._different[0]:
+                        self._different = tick, name
+                    break
 
     def _before(self, group: RecordGroup, first: int, last: int) -> NDArray[np.int64]:
         signals = self._run.groups[group.name].signals

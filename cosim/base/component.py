@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.meaning import NO_SLOT, Meaning, Slot
+from cosim.base.texts import TextCells
 
 
 class Causality(StrEnum):
@@ -58,6 +59,11 @@ class VariableType(StrEnum):
     def is_float(self) -> bool:
         """Whether a cell of this type holds a double; every other numeric type holds an int64."""
         return self in {VariableType.FLOAT32, VariableType.FLOAT64}
+
+    @property
+    def is_text(self) -> bool:
+        """Whether a cell of this type holds the number of a text or of binary data."""
+        return self in {VariableType.STRING, VariableType.BINARY}
 
     @property
     def limits(self) -> tuple[int, int] | None:
@@ -182,6 +188,12 @@ class Component(ABC):
 
         Raises:
             InputError: a parameter cannot be used.
+        """
+
+    def bind_texts(self, inputs: Mapping[str, TextCells], outputs: Mapping[str, TextCells]) -> None:
+        """Keep the views of String and Binary variables; called before ``initialise``.
+
+        A component with such inputs or outputs has to have this method of its own.
         """
 
     def rehearse(

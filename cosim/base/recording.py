@@ -38,12 +38,23 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TextColumn:
+    """One recorded String or Binary, of which changes are kept, each with its tick."""
+
+    name: str
+    is_binary: bool
+    description: str = ""
+    causality: str = "output"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RecordGroup:
-    """The columns that are recorded together, every ``period`` ticks."""
+    """The columns that are recorded together, every ``period`` ticks; texts are in no row."""
 
     name: str
     period: int
     columns: tuple[Column, ...]
+    texts: tuple[TextColumn, ...] = ()
 
 
 class Sink(Protocol):
@@ -67,6 +78,22 @@ class Sink(Protocol):
         """
         ...
 
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """A text of a group (UTF-8, or the bytes of a Binary) as it is from a tick on."""
+        ...
+
+
+class TextChanges:
+    """The changes of one text; what stays as it was is none."""
+
+    def __init__(self) -> None:
+        self.changes: list[tuple[int, bytes]] = []
+
+    def add(self, tick: int, content: bytes) -> None:
+        """The text at a tick, which is no earlier than the last one."""
+        if not self.changes or self.changes[-1][1] != content:
+            self.changes.append((tick, content))
+
 
 class Forgetful:
     """Keeps nothing; for a part of a run that is run again."""
@@ -82,6 +109,9 @@ class Forgetful:
         return np.empty((rows, self._columns[group]), dtype=np.int64)
 
     def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """Nothing is kept."""
+
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
         """Nothing is kept."""
 
 
@@ -101,6 +131,7 @@ class MemorySink:
         self.base_rate = Fraction(1)
         self._blocks: list[list[Rows]] = []
         self._open: dict[int, Rows] = {}
+        self._texts: list[list[TextChanges]] = []
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """Forget what was recorded before."""
@@ -113,11 +144,16 @@ class MemorySink:
         self.base_rate = base_rate
         self._blocks = [[] for _ in groups]
         self._filled = [0 for _ in groups]
+        before = self._texts
+        self._texts = [[TextChanges() for _ in group.texts] for group in groups]
         if self._kept is not None:
             tick, source = self._kept
             for number, group in enumerate(groups):
                 rows = self._filled[number] = -(-tick // group.period)
                 self._arrays[number][:rows] = source._arrays[number][:rows]
+                kept = before if source is self else source._texts
+                for changes, there in zip(self._texts[number], kept[number], strict=True):
+                    changes.changes = [each for each in there.changes if each[0] < tick]
 
     def buffer(self, group: int, rows: int) -> Rows:
         """A fresh block."""
@@ -134,6 +170,14 @@ class MemorySink:
         self._filled[group] += rows
         if not self._arrays:
             self._blocks[group].append(self._open.pop(group)[:rows])
+
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """Keep a change."""
+        self._texts[group][column].add(tick, content)
+
+    def text(self, group: int, column: int) -> list[tuple[int, bytes]]:
+        """The changes of a text: tick and content."""
+        return self._texts[group][column].changes
 
     def keep(self, tick: int, source: MemorySink | None = None) -> None:
         """Keep the rows before a tick at the next ``begin``: those of ``source``, or its own.

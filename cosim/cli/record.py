@@ -112,6 +112,14 @@ def list_command(run: Path, *, as_json: bool) -> None:
                             }
                             for signal in group.signals.values()
                         },
+                        "texts": {
+                            text.name: {
+                                "type": "Binary" if text.column.is_binary else "String",
+                                "changes": len(text.changes),
+                                "description": text.column.description,
+                            }
+                            for text in group.texts.values()
+                        },
                     }
                     for group in opened.groups.values()
                 },
@@ -120,9 +128,13 @@ def list_command(run: Path, *, as_json: bool) -> None:
             return
         for group in opened.groups.values():
             click.echo(f"{group.name}: {group.rate} Hz, {group.rows} rows")
-            width = max((len(name) for name in group.signals), default=0)
+            width = max((len(name) for name in [*group.signals, *group.texts]), default=0)
             for signal in group.signals.values():
                 line = f"  {signal.name.ljust(width)}  {signal.unit:8}  {signal.description}"
+                click.echo(line.rstrip())
+            for text in group.texts.values():
+                kind = "binary" if text.column.is_binary else "text"
+                line = f"  {text.name.ljust(width)}  {kind:8}  {text.column.description}"
                 click.echo(line.rstrip())
 
 

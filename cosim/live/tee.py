@@ -33,6 +33,10 @@ class TeeSink:
         self._rings[group].extend(self._rows[group][:rows])
         self._sink.commit(group, first_tick, rows)
 
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """Hand a text on; rings have numbers alone."""
+        self._sink.put_text(group, column, tick, content)
+
 
 def run_watched(
     simulation: Simulation, recorder: Sink, progress: Progress | None, *, starter: int

@@ -19,7 +19,7 @@ from cosim.master.components.blame import told
 from cosim.master.kernel.native import KernelOutcome, library
 from cosim.master.kernel.program import Program
 from cosim.master.run.diagnosis import moment
-from cosim.master.run.guard import guarded
+from cosim.master.run.guard import StatusReturnedError, guarded
 from cosim.master.run.interrupt import Wish
 from cosim.master.run.simulation import Drive
 from cosim.realtime.pacing import Pacer, Work
@@ -100,6 +100,8 @@ class PacedLoop:
                     now = clock()
                     work.add(part, now - called)
                     models, since = models + called - since, now
+            except StatusReturnedError:
+                outcome = int(KernelOutcome.STATUS)
             except CohapticError:
                 raise
             except Exception as error:

@@ -26,7 +26,7 @@ from cosim.realtime.control_loop import ControlLoop, LoopPacer
 from cosim.realtime.leftovers import remove_leftovers
 from cosim.realtime.live import Feed, shared_folder
 from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
-from cosim.realtime.relay import RelayPump, make_rings
+from cosim.realtime.relay import RelayPump, make_rings, refuse_texts
 from cosim.realtime.ring import Ring
 from cosim.realtime.signals import Ear, blocked, heard_by
 from cosim.realtime.supervisor import STALL_SECONDS, supervise
@@ -76,6 +76,7 @@ class PacedRun:
         """
         if not hasattr(os, "fork"):
             raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
+        refuse_texts(simulation.groups)
         run = _Run(self, simulation, self.pulse)
         with ExitStack() as stack:
             stack.callback(run.let_go)

@@ -13,6 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.base.errors import InputError
 from cosim.base.recording import RecordGroup, Sink
 from cosim.realtime.ring import Reader, Ring
 
@@ -43,6 +44,25 @@ class RelaySink:
         del first_tick
         if rows:
             self._put[group](self._cells[group])
+
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """Refused before a paced run begins (``refuse_texts``): a ring has room for numbers."""
+        raise AssertionError(group, column, tick, content)
+
+
+def refuse_texts(groups: Sequence[RecordGroup]) -> None:
+    """Whether a loop in another process can hand over what is recorded.
+
+    Raises:
+        InputError: a text is among it.
+    """
+    for group in groups:
+        for text in group.texts:
+            raise InputError(
+                f"record: {text.name} is a text, and a paced run records numbers alone: they cross "
+                "to the recorder's process in rows of fixed length. Record it in a run without a "
+                "pace, or name the signals to record without it."
+            )
 
 
 class RelayPump:

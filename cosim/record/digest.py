@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.record.reader import Run
+from cosim.record.reader import Run, SignalGroup
 
 
 def digest(run: Run) -> str:
@@ -16,9 +16,9 @@ def digest(run: Run) -> str:
 
     Two runs have one digest if and only if they have the same base rate and start, the same
     groups, and in each the same ticks and the same signals with the same units, types and values,
-    bit for bit (-0.0 is not 0.0). Groups and signals are taken in the order of their names. File
-    layout, wall-clock times, descriptions and the manifest do not count. The bytes that are hashed
-    are in docs/record.md.
+    bit for bit (-0.0 is not 0.0), and the same changes of texts. Groups and signals are taken in
+    the order of their names. File layout, wall-clock times, descriptions and the manifest do not
+    count. The bytes that are hashed are in docs/record.md.
     """
     state = hashlib.sha256(b"cohaptic run 1\n")
     _text(state, str(run.base_rate))
@@ -35,7 +35,22 @@ def digest(run: Run) -> str:
             _text(state, "float64" if signal.is_float else "int64")
             for block in signal.blocks():
                 state.update(np.ascontiguousarray(block, "<f8" if signal.is_float else "<i8").data)
+        if group.texts:
+            _texts(state, group)
     return state.hexdigest()
+
+
+def _texts(state: Any, group: SignalGroup) -> None:
+    """A group without texts has what it had before there were any."""
+    _text(state, "texts")
+    state.update(struct.pack("<q", len(group.texts)))
+    for name, text in sorted(group.texts.items()):
+        _text(state, name)
+        _text(state, "Binary" if text.column.is_binary else "String")
+        state.update(struct.pack("<q", len(text.changes)))
+        for tick, content in text.changes:
+            state.update(struct.pack("<qq", tick, len(content)))
+            state.update(content)
 
 
 def _text(state: Any, text: str) -> None:

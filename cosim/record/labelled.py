@@ -70,6 +70,9 @@ def outline(run: Run) -> str:
         lines += [f"    {signal.name} {signal.unit}".rstrip() for signal in shown]
         if len(group.signals) > SHOWN:
             lines.append(f"    and {len(group.signals) - SHOWN} more")
+        lines += [
+            f"    {text.name} (text, {len(text.changes)} changes)" for text in group.texts.values()
+        ]
     return "\n".join(lines)
 
 

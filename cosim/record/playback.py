@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from cosim.base.component import Causality, Cells, Component, Role, Setup, Variable, VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
+from cosim.base.texts import TextCells
 from cosim.record.reader import Values, open_run
+from cosim.record.texts import RecordedText
 from cosim.scenario import Kind
 from cosim.scenario import ScenarioComponent as Written
 
@@ -36,13 +38,15 @@ class Playback(Component):
         self._terminals = terminals
         self._folder = folder
         self._variables: list[Variable] = []
+        self._words: list[tuple[TextCells, RecordedText]] = []
         self._values: dict[str, tuple[int, NDArray[np.int64]]] = {}
         prefix = f"{component}."
         with open_run(folder) as run:
             self._tick = 1 / run.base_rate
             signals = {name: s for name, s in run.signals.items() if name.startswith(prefix)}
-            if not signals:
-                known = {name.partition(".")[0] for name in run.signals}
+            texts = {name: t for name, t in run.texts.items() if name.startswith(prefix)}
+            if not signals and not texts:
+                known = {name.partition(".")[0] for name in (*run.signals, *run.texts)}
                 raise InputError(
                     f"{folder} has nothing recorded of '{component}'."
                     f"{did_you_mean(component, known)}"
@@ -68,10 +72,34 @@ class Playback(Component):
                     values = np.ascontiguousarray(signal.values).view(np.int64)
                     self._values[name.removeprefix(prefix)] = (signal.group.period, values)
 
+            self._texts = {
+                name.removeprefix(prefix): text
+                for name, text in texts.items()
+                if text.column.causality != "input"
+            }
+            for name, text in texts.items():
+                self._variables.append(
+                    Variable(
+                        name=name.removeprefix(prefix),
+                        type=VariableType.BINARY if text.column.is_binary else VariableType.STRING,
+                        causality=(
+                            Causality.INPUT
+                            if text.column.causality == "input"
+                            else Causality.OUTPUT
+                        ),
+                        variability="discrete",
+                        description=text.column.description,
+                    )
+                )
+
     @property
     def variables(self) -> Sequence[Variable]:
         """The recorded ones."""
         return self._variables
+
+    def bind_texts(self, inputs: Mapping[str, TextCells], outputs: Mapping[str, TextCells]) -> None:
+        """Keep the outputs' views."""
+        self._words = [(outputs[name], text) for name, text in self._texts.items()]
 
     def initialise(
         self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
@@ -121,6 +149,10 @@ class Playback(Component):
                     f"{len(values) * period}"
                 )
             target[0] = values[row]
+        for words, text in self._words:
+            value = text.at(tick)
+            if value is not None:
+                words[0] = value
 
     def save(self) -> None:
         """Nothing: what it shows follows from the tick."""

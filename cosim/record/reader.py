@@ -11,7 +11,7 @@ import json
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, cast
@@ -27,6 +27,7 @@ from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.record.stores import FileStore, GroupStore
+from cosim.record.texts import RecordedText, read_texts
 
 RUN_FILE = "run.h5"
 MANIFEST_FILE = "manifest.json"
@@ -63,6 +64,12 @@ class SignalGroup:
         return Signals(
             self._store.names, lambda name: RecordedSignal(self, *self._store.place(name))
         )
+
+    @cached_property
+    def texts(self) -> Mapping[str, RecordedText]:
+        """The group's Strings and Binaries by name, as far as its rows are complete."""
+        end = self.rows * self.period
+        return MappingProxyType({text.name: text.before(end) for text in self._store.texts()})
 
     @property
     def ticks(self) -> NDArray[np.int64]:
@@ -228,14 +235,27 @@ class Run:
             groups.update(dict.fromkeys(group.signals, group))
         return Signals(groups, lambda name: groups[name].signals[name])
 
+    @cached_property
+    def texts(self) -> Mapping[str, RecordedText]:
+        """Every String and Binary by name; of one recorded at several rates, the fastest."""
+        found: dict[str, RecordedText] = {}
+        for group in sorted(self.groups.values(), key=lambda group: -group.period):
+            found.update(group.texts)
+        return MappingProxyType(found)
+
     def __getitem__(self, name: str) -> RecordedSignal:
-        """One signal.
+        """One signal of numbers; texts are in ``texts``.
 
         Raises:
             InputError: nothing of that name was recorded; says what comes near.
         """
         if name in self.signals:
             return self.signals[name]
+        if name in self.texts:
+            raise InputError(
+                f"{self.folder}: {name} is a text, of which the changes are recorded: texts[{name}]"
+                " of the run has them."
+            )
         raise InputError(
             f"{self.folder}: no signal {name} was recorded.{did_you_mean(name, self.signals)}"
         )
@@ -364,7 +384,11 @@ def open_run(path: str | Path, *, file: Path | None = None) -> Run:
         what = "it is not a run record" if found is None else f"its format is {found}"
         raise InputError(f"{target}: {what}; this version reads formats 1 to {FORMAT_VERSION}.")
     numerator, denominator = (int(part) for part in opened.attrs["base_rate"])
-    stores = {name: FileStore(node) for name, node in opened.items()}
+    texts = cache(partial(read_texts, folder))
+    stores = {
+        name: FileStore(node, lambda name=name: texts().get(name, ()))
+        for name, node in opened.items()
+    }
     rate = Fraction(numerator, denominator)
     start_tick = int(opened.attrs.get("start_tick", 0))
     return Run(folder, stores, rate, read_manifest(folder), opened.close, start_tick=start_tick)

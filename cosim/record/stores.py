@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cosim.base.recording import Column, MemorySink
 from cosim.record.old_meaning import old_meaning
 from cosim.record.table import TABLE, read_entry, read_table
+from cosim.record.texts import RecordedText
 
 Place = tuple[Column, Any, int | None]
 """A signal, what its values are read from, and the row there that is the signal's."""
@@ -40,11 +41,16 @@ class GroupStore(Protocol):
         """A signal, and where its values are."""
         ...
 
+    def texts(self) -> Sequence[RecordedText]:
+        """Every text with its changes."""
+        ...
+
 
 class FileStore:
     """A group of ``run.h5``, of any format."""
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Any, texts: Callable[[], Sequence[RecordedText]]) -> None:
+        self._texts = texts
         self.period = int(node.attrs["period"])
         self.rows = int(node["rows"][()])
         self.capacity = int(node["tick"].shape[0])
@@ -75,6 +81,10 @@ class FileStore:
         nodes = [node for key, node in self._node.items() if key not in {"rows", "tick"}]
         return {str(node.attrs["name"]): node for node in nodes}
 
+    def texts(self) -> Sequence[RecordedText]:
+        """Every text with its changes, read from the folder."""
+        return self._texts()
+
 
 class MemoryStore:
     """A group that a ``MemorySink`` holds."""
@@ -101,6 +111,10 @@ class MemoryStore:
         row = self._rows[name]
         column = self._columns[row]
         return column, (self._cells.view(np.float64) if column.is_float else self._cells).T, row
+
+    def texts(self) -> Sequence[RecordedText]:
+        """Every text with its changes."""
+        return self._texts
 
 
 def _described(dataset: Any) -> Column:

@@ -25,6 +25,7 @@ from cosim.base.recording import RecordGroup
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, rows_in, write_cells
 from cosim.record.rewriting.compact import compact
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
+from cosim.record.texts import TextJournal
 
 BLOCK_BYTES = 1 << 21
 BLOCK_ROWS = (16, 4096)
@@ -53,6 +54,7 @@ class Recorder:
         self._full: SimpleQueue[_Block | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
         self._error: RunError | None = None
+        self._journal: TextJournal | None = None
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """Lay the file out and start the writer.
@@ -63,6 +65,8 @@ class Recorder:
         rows = [rows_in(self.ticks, group.period) for group in groups]
         try:
             layouts = lay_out(self.path, groups, base_rate, rows, self.start_tick)
+            if any(group.texts for group in groups):
+                self._journal = TextJournal(self.path.parent, groups)
             file = self.path.open("r+b", buffering=0)
         except BaseException as error:  # also Ctrl-C: half a frame is no file
             with suppress(OSError):
@@ -115,6 +119,18 @@ class Recorder:
         if now - block.since > FLUSH_SECONDS:
             self._submit(self._streams[group])
 
+    def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
+        """A text of a group as it is from a tick on; it is in the folder at once.
+
+        Raises:
+            RunError: it cannot be written.
+        """
+        assert self._journal is not None
+        try:
+            self._journal.put(group, column, tick, content)
+        except OSError as error:
+            raise self.refusal(error) from error
+
     @property
     def rows(self) -> tuple[int, ...]:
         """Rows of each group that are in the file; all that were committed, after ``close``."""
@@ -148,10 +164,15 @@ class Recorder:
         began = time.perf_counter()
         thread.join()
         self.drain_time = time.perf_counter() - began
+        journal, self._journal = self._journal, None
         if self._error is not None:
+            if journal is not None:
+                journal.close()
             raise self._error
         try:
             compact(self.path)
+            if journal is not None:
+                journal.finish()
         except OSError as error:
             raise self.refusal(error) from error
 

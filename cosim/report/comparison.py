@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, cast
 
@@ -30,6 +31,8 @@ class SignalDifference:
     rows: int
     largest: float
     """The largest difference; NaN where one of them is not a number."""
+    is_text: bool = False
+    """Whether no number says by how much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +56,31 @@ class RunComparison:
         return not (one or other or self.signals) and self.lengths[0] == self.lengths[1]
 
 
+def _text_differences(one: SignalGroup, other: SignalGroup) -> Iterator[SignalDifference]:
+    """Texts differ from row to row; by how much, no number says."""
+    end = min(one.rows, other.rows) * one.period
+    for name, mine in one.texts.items():
+        theirs = other.texts.get(name)
+        if theirs is None:
+            continue
+        ticks = sorted({tick for text in (mine, theirs) for tick, _ in text.changes if tick < end})
+        apart = [
+            (tick, until)
+            for tick, until in pairwise([*ticks, end])
+            if mine.at(tick) != theirs.at(tick)
+        ]
+        if apart:
+            rows = sum(-(-(until - tick) // one.period) for tick, until in apart)
+            yield SignalDifference(name, "", apart[0][0], rows, float("nan"), is_text=True)
+
+
 def compare_runs(one: Run, other: Run) -> RunComparison:
     """Compare two open runs; signals as far as both go."""
     names = [_names(run) for run in (one, other)]
-    signals = [found for pair in _common(one, other) for found in _differences(*pair)]
+    pairs = list(_common(one, other))
+    signals = [
+        found for pair in pairs for found in (*_differences(*pair), *_text_differences(*pair))
+    ]
     return RunComparison(
         scenario=changes(_scenario(one), _scenario(other)),
         versions=changes(_versions(one), _versions(other)),
@@ -68,7 +92,11 @@ def compare_runs(one: Run, other: Run) -> RunComparison:
 
 
 def _names(run: Run) -> set[str]:
-    return {f"{group.name}.{name}" for group in run.groups.values() for name in group.signals}
+    return {
+        f"{group.name}.{name}"
+        for group in run.groups.values()
+        for name in (*group.signals, *group.texts)
+    }
 
 
 def changes(one: Any, other: Any, path: str = "") -> list[Change]:

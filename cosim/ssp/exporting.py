@@ -118,7 +118,8 @@ class _Exporter:
         )
         if units := self._units():
             root.append(d.Units(*units))
-        root.append(d.DefaultExperiment(startTime="0", stopTime=repr(float(scenario.duration))))
+        begin, end = scenario.start_time, scenario.start_time + scenario.duration
+        root.append(d.DefaultExperiment(startTime=repr(float(begin)), stopTime=repr(float(end))))
         return root
 
     def _component(self, name: str, participant: Participant) -> Element:
@@ -175,6 +176,8 @@ class _Exporter:
                 is_file = variable.meaning is Meaning.FILE and elements[0]
                 text = self._resource(Path(str(elements[0]))) if is_file else str(elements[0])
                 inner = self._v.String(value=text)
+            elif kind is VariableType.BINARY:
+                inner = self._v.Binary(value=elements[0].hex())
             elif kind is VariableType.BOOLEAN:
                 inner = self._v.Boolean(value=" ".join(_text(bool(e)) for e in elements))
             elif kind.is_float:

@@ -58,7 +58,10 @@ class _Importer:
         self._bind(self.structure.system, ())
         own = dict(self.structure.own)
         title = own.pop("title", self.structure.title)
-        rest = {"cohaptic": 1, "title": title, "duration": self._duration(own), **own}
+        start = self._start(own)
+        times = {"start_time": format_exact(start)} if start else {}
+        duration = self._duration(own, start)
+        rest = {"cohaptic": 1, "title": title, **times, "duration": duration, **own}
         return rest | {
             "components": {name: self._component(path) for path, name in self.names.items()},
             "connections": [*self._connections(), *own.get("connections", [])],
@@ -298,20 +301,39 @@ class _Importer:
             return DEFAULT_STEP
         return step
 
-    def _duration(self, own: dict[str, Any]) -> Any:
+    def _start(self, own: dict[str, Any]) -> Fraction:
+        """When time begins (s); 0 where our own annotation says it."""
+        if "start_time" in own or self.structure.start is None:
+            return Fraction(0)
+        return self._seconds("startTime", self.structure.start)
+
+    def _seconds(self, what: str, text: str) -> Fraction:
+        try:
+            return Fraction(text)
+        except ValueError:
+            raise InputError(
+                f"the {what} of {self.structure.file.name} is {text}, which is no time to run at."
+            ) from None
+
+    def _duration(self, own: dict[str, Any], start: Fraction) -> Any:
         if self.stop_time is not None:
             own.pop("duration", None)
-            return format_exact(self.stop_time)
+            return self._between(start, self.stop_time)
         if "duration" in own:
             return own.pop("duration")
         if self.structure.stop is None:
             raise InputError(
                 f"{self.structure.file.name} does not say how long to run; give --stop-time."
             )
-        start = Fraction(self.structure.start or "0")
-        if start:
-            self.notes.append(f"it begins at {float(start):g} s; here time begins at 0")
-        return format_exact(Fraction(self.structure.stop) - start)
+        return self._between(start, self._seconds("stopTime", self.structure.stop))
+
+    def _between(self, start: Fraction, stop: Fraction) -> str:
+        if stop <= start:
+            raise InputError(
+                f"{self.structure.file.name} begins at {float(start):g} s and would stop at "
+                f"{float(stop):g} s; give a later --stop-time."
+            )
+        return format_exact(stop - start)
 
 
 def to_scenario(

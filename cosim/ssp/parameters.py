@@ -106,7 +106,9 @@ def _value(element: Element, units: Mapping[str, Unit], file: Path) -> GivenValu
     if kind in {"String", "Enumeration"}:
         several = [each.get("value") for each in element if local(each) == "Value"]
         return GivenValue(several or text, None)
-    if kind == "Binary" or text is None:
+    if kind == "Binary" and text is not None:
+        return GivenValue(f"hex:{text}", None)
+    if text is None:
         raise InputError(f"a value of type {kind} cannot be given here.", place(file, element))
     unit = element.get("unit")
     read = {"Real": float, "Float64": float, "Float32": float, "Boolean": _truth}.get(kind, int)

@@ -18,7 +18,7 @@ from cosim.link.stream.form import read_link
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Bundle as WiredBundle
-from cosim.master.assembly.wiring import Held, PacketFact, Signal, Wire
+from cosim.master.assembly.wiring import Held, PacketFact, Signal, Source, Wire
 from cosim.master.components.interface import Element
 from cosim.scenario import (
     Channel,
@@ -161,6 +161,8 @@ class _Splitter:
             for entry in bundle.entries
             if isinstance(entry.source, Signal)
         }
+        for entry in bundle.entries:
+            self._refuse_text(entry.source, channel)
         peer = self._peer(target if source == self.own else source)
         list_ = peer.sends if source == self.own else peer.receives
         name = bundle.name.rsplit(".", 1)[0] if " at " not in bundle.name else bundle.name
@@ -247,6 +249,18 @@ class _Splitter:
     def _drop(self, sentence: str) -> None:
         if sentence not in self.dropped:
             self.dropped.append(sentence)
+
+    def _refuse_text(self, source: Source, channel: Channel) -> None:
+        """A packet of the link has numbers, eight bytes each."""
+        if not isinstance(source, Signal):
+            return
+        interface = self.assembly.participants[source.component].interface
+        if interface.variables[source.variable].type.is_text:
+            raise InputError(
+                f"{self._element(source)} goes through the channel {channel.name} and is a text; "
+                "the link between stations carries numbers alone. Simulate it with 'cohaptic run', "
+                "or connect numbers."
+            )
 
     def _drive_peer_inputs(
         self,

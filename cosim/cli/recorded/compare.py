@@ -87,8 +87,8 @@ def _lines(found: RunComparison, runs: list[Run]) -> list[str]:
         )
         width = max(len(each.name) for each in found.signals[:SHOWN])
         lines += [
-            f"  {each.name.ljust(width)}  since tick {each.tick}, {each.rows} rows, by up to "
-            f"{each.largest:.3g} {each.unit}".rstrip()
+            f"  {each.name.ljust(width)}  since tick {each.tick}, {each.rows} rows"
+            + ("" if each.is_text else f", by up to {each.largest:.3g} {each.unit}".rstrip())
             for each in found.signals[:SHOWN]
         ]
         if len(found.signals) > SHOWN:

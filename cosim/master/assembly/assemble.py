@@ -47,6 +47,8 @@ class Assembly:
     groups: tuple[RecordGroup, ...]
     columns: tuple[tuple[int, ...], ...]
     """The recorded cells of each group."""
+    text_columns: tuple[tuple[int, ...], ...]
+    """The same of its texts."""
     lagging: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -78,13 +80,14 @@ def put_together(
     problems.raise_if_any()
     if only is not None:
         names = only(describe_groups(scenario, interfaces, selected))
-        selected = [kept for group in selected if (kept := group.only(names)).signals]
+        chosen = [group.only(names) for group in selected]
+        selected = [group for group in chosen if group.signals or group.texts]
 
     parts = {
         name: Part(each.interface, each.period, each.fmu is not None, each.methods)
         for name, each in participants.items()
     }
-    recorded = {s for group in selected for s in group.signals.values() if isinstance(s, Signal)}
+    recorded = {signal for group in selected for signal in group.read}
     outputs, local = _read_variables(participants, wiring, recorded)
     planner = Planner(
         parts,
@@ -111,6 +114,9 @@ def put_together(
             groups=tuple(describe_groups(scenario, interfaces, selected)),
             columns=tuple(
                 tuple(layout.of(signal) for signal in group.signals.values()) for group in selected
+            ),
+            text_columns=tuple(
+                tuple(layout.of(signal) for signal in group.texts.values()) for group in selected
             ),
             lagging=tuple(planner.lagging()),
             notes=(

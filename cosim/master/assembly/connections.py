@@ -275,6 +275,8 @@ class _Wirer:
         there, here = pair.source_variable, pair.target_variable
         names = f"{_source_name(self.interfaces, connection, pair)} ({there.type})"
         into = f"{_name(self.interfaces, pair.target)} ({here.type})"
+        if (there.type.is_text or here.type.is_text) and there.type is not here.type:
+            raise InputError(f"{names} cannot drive {into}: texts and binary data keep their type")
         from_integer = here.type.is_float and not there.type.is_float
         if from_integer and there.type in {VariableType.BOOLEAN, VariableType.ENUMERATION}:
             raise InputError(f"{names} cannot drive {into}: it is not a number")

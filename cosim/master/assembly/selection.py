@@ -6,10 +6,10 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from cosim.base.component import Causality
+from cosim.base.component import Causality, VariableType
 from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
-from cosim.base.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup, TextColumn
 from cosim.base.suggest import did_you_mean, index_hint
 from cosim.base.wildcard import compile_wildcard, is_wild
 from cosim.master.assembly.wiring import PacketFact, Signal, Wiring
@@ -25,15 +25,22 @@ _FACTS = {
 
 @dataclass(slots=True)
 class Selected:
-    """The recorded signals of one rate, by column name."""
+    """The recorded signals of one rate, by column name; texts apart."""
 
     period: int
     signals: dict[str, Signal | PacketFact] = field(default_factory=dict[str, Signal | PacketFact])
+    texts: dict[str, Signal] = field(default_factory=dict[str, Signal])
 
     def only(self, names: Collection[str]) -> Selected:
         """The same without the others."""
         kept = {name: signal for name, signal in self.signals.items() if name in names}
-        return Selected(self.period, kept)
+        texts = {name: signal for name, signal in self.texts.items() if name in names}
+        return Selected(self.period, kept, texts)
+
+    @property
+    def read(self) -> list[Signal]:
+        """What components are read for."""
+        return [s for s in (*self.signals.values(), *self.texts.values()) if isinstance(s, Signal)]
 
 
 @dataclass(slots=True)
@@ -77,7 +84,10 @@ def select_recorded(
             for found in _recorded(record.pattern, candidates, interfaces, scenario):
                 period = record.period or found.period
                 group = groups.setdefault(period, Selected(period))
-                group.signals.setdefault(found.name, found.signal)
+                if isinstance(found.signal, Signal) and _is_text(found.signal, interfaces):
+                    group.texts.setdefault(found.name, found.signal)
+                else:
+                    group.signals.setdefault(found.name, found.signal)
     return [groups[period] for period in sorted(groups)]
 
 
@@ -91,6 +101,9 @@ def describe_groups(
             period=group.period,
             columns=tuple(
                 _column(name, signal, interfaces) for name, signal in group.signals.items()
+            ),
+            texts=tuple(
+                _text_column(name, signal, interfaces) for name, signal in group.texts.items()
             ),
         )
         for group in selected
@@ -201,6 +214,20 @@ def _group_name(scenario: Scenario, period: int) -> str:
     rate = scenario.base_rate / period
     names = sorted(name for name, named in scenario.rates.items() if named == rate)
     return names[0] if names else f"{float(rate):g}Hz"
+
+
+def _is_text(signal: Signal, interfaces: Mapping[str, Interface]) -> bool:
+    return interfaces[signal.component].variables[signal.variable].type.is_text
+
+
+def _text_column(name: str, signal: Signal, interfaces: Mapping[str, Interface]) -> TextColumn:
+    variable = interfaces[signal.component].variables[signal.variable]
+    return TextColumn(
+        name=name,
+        is_binary=variable.type is VariableType.BINARY,
+        description=variable.description,
+        causality=str(variable.causality),
+    )
 
 
 def _column(name: str, signal: Signal | PacketFact, interfaces: Mapping[str, Interface]) -> Column:

@@ -62,6 +62,10 @@ class Packets:
         self._first = bytes(self.structs)
         self.draw()
 
+    def flying(self, number: int) -> NDArray[np.int64]:
+        """The values of a bundle's packets in flight, shape (packets, entries)."""
+        return self._payload[number][: int(self.structs[number].in_flight)]
+
     def rewind(self, bundles: Sequence[Bundle], layout: Layout) -> bool:
         """Be before the first packet again; ``False`` where there may have to be other tables."""
         pairs = zip(self.bundles, bundles, strict=True)
@@ -117,7 +121,7 @@ class Packets:
         flying = int(struct.in_flight)
         arrays = {
             "flight": self._flight[number][:, :flying].copy(),
-            "payload": self._payload[number][:flying].copy(),
+            "payload": self.flying(number).copy(),
         }
         if number in self._fates:
             arrays["fates"] = np.array(self._fates[number])

@@ -13,13 +13,12 @@ from fractions import Fraction
 from itertools import product
 from math import prod
 
-from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.component import Causality, Variable
 from cosim.base.errors import InputError
 from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean, index_hint
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
-_WITHOUT_CELL = {VariableType.STRING, VariableType.BINARY}
 _SIGNALS = {Causality.INPUT, Causality.OUTPUT, Causality.LOCAL}
 
 
@@ -112,11 +111,10 @@ class Interface:
         if variable is not None and not self.lives_in_cells(path) and path in self.terminals:
             variable = None  # a parameter beside a terminal of the same name
         if variable is not None and not self.lives_in_cells(path):
-            what = variable.causality if variable.causality not in _SIGNALS else variable.type
             raise InputError(
-                f"{self.component}.{path} is of causality or type '{what}'; only inputs, outputs, "
-                "local variables and tunable parameters that are numbers, booleans or enumerations "
-                "can be connected or recorded"
+                f"{self.component}.{path} is of causality '{variable.causality}'; only inputs, "
+                "outputs, local variables and tunable parameters that are numbers, booleans or "
+                "enumerations can be connected or recorded"
             )
         if variable is not None:
             members = {
@@ -175,8 +173,8 @@ class Interface:
 
 
 def has_cells(variable: Variable) -> bool:
-    """Whether the variable's values live in cells: a signal that is neither text nor binary."""
-    return variable.type not in _WITHOUT_CELL and variable.causality in _SIGNALS
+    """Whether the variable's values live in cells: a signal."""
+    return variable.causality in _SIGNALS
 
 
 def is_tunable(variable: Variable) -> bool:
@@ -184,7 +182,7 @@ def is_tunable(variable: Variable) -> bool:
     return (
         variable.causality is Causality.PARAMETER
         and variable.variability == "tunable"
-        and variable.type not in _WITHOUT_CELL
+        and not variable.type.is_text
     )
 
 

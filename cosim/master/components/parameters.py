@@ -16,6 +16,7 @@ from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean, index_hint
 from cosim.master.components.interface import size_of, variable_elements
+from cosim.master.components.text_values import text_start, written_text
 
 _INDEXED = re.compile(r"(.+)\[\d+(?:,\d+)*\]")
 """An element; ``p[Color.red]`` is a name of its own."""
@@ -80,10 +81,12 @@ def resolve_values(
 
 
 def element_start(variable: Variable) -> list[Any]:
-    """The declared start of each element; zero (or false) where none is declared."""
+    """The declared start of each element; zero, false or empty where none is declared."""
+    if variable.type.is_text:
+        return text_start(variable)
     start: Any = variable.start
     count = size_of(variable)
-    if start is None or isinstance(start, str):
+    if start is None:
         return [0] * count
     if isinstance(start, tuple):
         values = _flat(start)  # pyright: ignore[reportUnknownArgumentType]
@@ -146,12 +149,8 @@ def _convert(
 ) -> Any:
     kind = variable.type
     where = f"{component}.{name}"
-    if kind is VariableType.STRING:
-        if not isinstance(value, str):
-            raise InputError(f"{where} is a text; put {show(value)} in quotes")
-        return value
-    if kind is VariableType.BINARY:
-        raise InputError(f"{where} is binary data, which a scenario cannot give")
+    if kind.is_text:
+        return written_text(where, value, is_binary=kind is VariableType.BINARY)
     if kind is VariableType.BOOLEAN:
         if not isinstance(value, bool):
             raise InputError(f"{where} is true or false, not {show(value)}{truth_hint(value)}")

@@ -17,11 +17,11 @@ from cosim.base.system.installed import registered
 from cosim.master.components.blame import told
 from cosim.master.components.interface import Interface
 from cosim.master.components.variables import checked_variables
+from cosim.scenario.build.component import COMPONENTS
 
 DEVICES = "cohaptic.devices"
 HARDWARE = "cohaptic.hardware"
 """Who makes a component of a device's URL, whichever its driver is."""
-COMPONENTS = "cohaptic.components"
 METHODS = ("read", "evaluate", "write", "step")
 
 
@@ -33,21 +33,29 @@ def load_class(source: str, folder: Path) -> Component:
     Raises:
         InputError: there is no such module or class, or it is no component.
     """
-    found = {entry.name: entry for entry in registered(COMPONENTS)}
     module_name, colon, class_name = source.rpartition(":")
-    if source in found:
-        made: Any = found[source].load()
-    elif not colon:
-        hint = did_you_mean(source, found)
-        raise InputError(f"'{source}' is not written as module:Class.{hint}")
-    else:
-        made = _find_class(module_name, class_name, folder)
+    made = _find_class(module_name, class_name, folder) if colon else _registered_class(source)
     if not (isinstance(made, type) and issubclass(made, Component)):
         raise InputError(f"{source} is not a subclass of cosim.base.component.Component")
     try:
         return made()
     except Exception as error:
         raise InputError(f"{source}() cannot be made: {told(error)}") from None
+
+
+def _registered_class(name: str) -> Any:
+    """What a package that is installed has registered under a short name."""
+    found = {entry.name: entry for entry in registered(COMPONENTS)}
+    if name not in found:
+        hint = did_you_mean(name, found)
+        raise InputError(
+            f"'{name}' is not written as module:Class, and no package has registered it.{hint}"
+        )
+    try:
+        return found[name].load()
+    except (Exception, SystemExit) as error:
+        value = found[name].value
+        raise InputError(f"{name} ({value}) cannot be imported: {told(error)}") from None
 
 
 def open_device(url: str, options: Mapping[str, Any], safety: Mapping[str, Any]) -> Component:
@@ -80,6 +88,7 @@ def interface_of(name: str, component: Component, *, feedthrough: bool | None) -
         variables = checked_variables(component)
         dependencies, terminals = component.dependencies, component.terminals
         _check_names(variables, dependencies, terminals)
+        _check_bound(component, variables)
         return Interface(
             component=name,
             variables=variables,
@@ -91,6 +100,17 @@ def interface_of(name: str, component: Component, *, feedthrough: bool | None) -
         raise
     except Exception as error:
         raise InputError(f"{name} cannot tell its variables: {told(error)}") from None
+
+
+def _check_bound(component: Component, variables: Mapping[str, Variable]) -> None:
+    """Somebody takes the texts that the component says it has."""
+    shown = {Causality.INPUT, Causality.OUTPUT}
+    texts = [v for v in variables.values() if v.type.is_text and v.causality in shown]
+    if texts and type(component).bind_texts is Component.bind_texts:
+        raise InputError(
+            f"the {texts[0].type} '{texts[0].name}' is handed over by bind_texts(inputs, outputs), "
+            f"which {type(component).__name__} does not have"
+        )
 
 
 def _check_names(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.component import Causality, Variable
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.master.components.interface import Interface, is_tunable
@@ -37,7 +37,7 @@ def tunable_at(interface: Interface, path: str) -> list[str]:
     few = ", ".join(known[:8]) + (" …" if len(known) > 8 else "")
     others = f" Of {interface.component} can be turned: {few}." if known else ""
     match wrong.causality:
-        case Causality.PARAMETER if wrong.type in {VariableType.STRING, VariableType.BINARY}:
+        case Causality.PARAMETER if wrong.type.is_text:
             why = f"is of type {wrong.type}; only numbers can be turned."
         case Causality.PARAMETER:
             why = f"is a {wrong.variability} parameter, set before the start and never again."

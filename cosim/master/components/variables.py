@@ -12,7 +12,9 @@ from cosim.base.document.show import describe, show
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.suggest import did_you_mean
+from cosim.base.texts import encoded
 from cosim.master.components.blame import written_at
+from cosim.master.components.text_values import text_start
 
 
 def checked_variables(component: Component) -> dict[str, Variable]:
@@ -61,7 +63,10 @@ def _check(where: str, variable: Variable) -> None:
             "with whole numbers above 0"
         )
     _check_meaning(where, variable)
-    _check_start(where, variable)
+    if variable.type.is_text:
+        _check_text(where, variable)
+    else:
+        _check_start(where, variable)
 
 
 def _check_meaning(where: str, variable: Variable) -> None:
@@ -84,7 +89,7 @@ def _check_meaning(where: str, variable: Variable) -> None:
 def _check_start(where: str, variable: Variable) -> None:
     import numpy as np
 
-    if variable.start is None or isinstance(variable.start, str):
+    if variable.start is None:
         return
     try:
         start = np.asarray(variable.start, dtype=float)
@@ -96,6 +101,22 @@ def _check_start(where: str, variable: Variable) -> None:
             f"{where}: the start of '{variable.name}' has the shape {show(start.shape)}, the "
             f"variable {show(variable.shape)}"
         )
+
+
+def _check_text(where: str, variable: Variable) -> None:
+    """A String or Binary measures nothing, and starts with a value of its type."""
+    kind, name = variable.type, variable.name
+    if variable.unit is not None or variable.minimum is not None or variable.maximum is not None:
+        raise InputError(f"{where}: '{name}' is a {kind}, which has no unit and no bounds")
+    start = text_start(variable)
+    given = variable.start
+    if isinstance(given, tuple) and len(cast("tuple[object, ...]", given)) != len(start):
+        raise InputError(f"{where}: the start of '{name}' needs {len(start)} values")
+    for value in start:
+        try:
+            encoded(value, is_binary=kind is VariableType.BINARY)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{where}: the start of '{name}': {error}") from None
 
 
 def _described(value: Any) -> str:

@@ -129,6 +129,22 @@ class Binding(Protocol):
         """
         ...
 
+    def set_texts(
+        self, kind: VariableType, references: Sequence[int], contents: Sequence[bytes]
+    ) -> int:
+        """Set all elements of variables of a type that is a text's."""
+        ...
+
+    def get_texts(
+        self, kind: VariableType, references: Sequence[int], count: int
+    ) -> tuple[int, list[bytes | None]]:
+        """The status, and the ``count`` elements of variables of a type that is a text's.
+
+        Raises:
+            ValueError: one is longer than what is carried.
+        """
+        ...
+
     def enter_configuration(self) -> int:
         """Enter configuration mode."""
         ...
@@ -227,7 +243,7 @@ def whole_or_real(kind: Any, values: Iterable[Any]) -> Any:
     return array
 
 
-def texts(values: Iterable[str]) -> Any:
+def texts(values: Iterable[str | bytes]) -> Any:
     """A C array of texts in UTF-8."""
-    given = [value.encode() for value in values]
+    given = [value.encode() if isinstance(value, str) else value for value in values]
     return (ctypes.c_char_p * len(given))(*given)

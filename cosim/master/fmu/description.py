@@ -105,7 +105,12 @@ def parse_description(
     meant = read_meanings(path, folder / "modelDescription.xml")
     relative = _relative(folder / "modelDescription.xml")
     variables: dict[str, Variable] = {}
-    skipped = {v.name: str(v.causality) for v in description.modelVariables if v.clocks}
+    texts = _text_starts(folder / "modelDescription.xml", version)
+    skipped = {
+        v.name: str(v.causality)
+        for v in description.modelVariables
+        if v.clocks or v.type == "Clock"
+    }
     for v in description.modelVariables:
         if v.name in skipped:
             continue
@@ -116,6 +121,7 @@ def parse_description(
                 shapes,
                 meant.get(v.name, NOTHING),
                 is_relative=relative.get(v.name),
+                texts=texts.get(v.name, ()),
             )
         except ValueError as error:
             raise InputError(
@@ -218,9 +224,15 @@ class _Shapes:
 
 
 def _variable(
-    variable: Any, version: int, shapes: _Shapes, meant: Meant, *, is_relative: bool | None
+    variable: Any,
+    version: int,
+    shapes: _Shapes,
+    meant: Meant,
+    *,
+    is_relative: bool | None,
+    texts: tuple[str, ...],
 ) -> Variable:
-    kind = _FMI2_TYPES[variable.type] if version == 2 else _fmi3_type(variable.type)
+    kind = _FMI2_TYPES[variable.type] if version == 2 else VariableType(variable.type)
     declared = variable.declaredType
     unit = variable.unit or (declared.unit if declared is not None else None)
     items = {item.name: int(item.value) for item in declared.items} if declared is not None else {}
@@ -230,7 +242,9 @@ def _variable(
         causality=Causality(variable.causality),
         variability=variable.variability,
         unit=unit,
-        start=_start(variable.start, kind),
+        start=_text_start(texts or variable.start, kind)
+        if kind.is_text
+        else _start(variable.start, kind),
         shape=shapes.of(variable),
         minimum=_bound(variable.min),
         maximum=_bound(variable.max),
@@ -256,9 +270,34 @@ def _relative(path: Path) -> dict[str, bool]:
     return found
 
 
-def _fmi3_type(name: str) -> VariableType:
-    # A clock carries no value that a master without event mode could pass on.
-    return VariableType.BINARY if name == "Clock" else VariableType(name)
+def _text_starts(path: Path, version: int) -> dict[str, tuple[str, ...]]:
+    """The starts of FMI 3's Strings and Binaries, of which FMPy reads an array's first alone."""
+    if version == 2 or b"<Start" not in path.read_bytes():
+        return {}
+    variables = ET.parse(path).getroot().iterfind("ModelVariables/*")
+    return {
+        variable.get("name", ""): tuple(start.get("value", "") for start in starts)
+        for variable in variables
+        if (starts := variable.findall("Start"))
+    }
+
+
+def _text_start(given: Any, kind: VariableType) -> Any:
+    """One text (or bytes, in XML hexadecimal) for all elements, or one for each.
+
+    Raises:
+        ValueError: it is not hexadecimal.
+    """
+    if given is None:
+        return None
+    texts: tuple[str, ...] = (given,) if isinstance(given, str) else given
+    if kind is VariableType.STRING:
+        return texts[0] if len(texts) == 1 else texts
+    try:
+        contents = tuple(bytes.fromhex(text) for text in texts)
+    except ValueError:
+        raise ValueError("its start is not hexadecimal, as that of a Binary has to be") from None
+    return contents[0] if len(contents) == 1 else contents
 
 
 def _bound(text: str | None) -> float | None:
@@ -266,8 +305,8 @@ def _bound(text: str | None) -> float | None:
 
 
 def _start(text: str | None, kind: VariableType) -> Any:
-    if text is None or kind in {VariableType.STRING, VariableType.BINARY}:
-        return text
+    if text is None:
+        return None
     values = [_scalar(word, kind) for word in text.split()]
     return values[0] if len(values) == 1 else tuple(values)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -30,6 +30,9 @@ from cosim.master.fmu.library import give_back, take_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
 from cosim.master.kernel.native import RestartStruct
 from cosim.scenario.build.timebase import hertz
+
+Texts = tuple[int, list[bytes]]
+"""A status, and contents."""
 
 
 class Fmu:
@@ -60,6 +63,7 @@ class Fmu:
         self._process: Isolated | None = None
         self._log = Log()
         self._changed: Counter[str] = Counter()
+        self._lapses: Counter[str] = Counter()
         self._binding: Binding | None = None
         self._calling = calling
         self._initialised = False
@@ -102,7 +106,8 @@ class Fmu:
             Said("warning", f"it changed {what}, which was put back", count)
             for what, count in self._changed.items()
         )
-        return (*self._log.said(), *changed)
+        lapses = (Said("warning", what, count) for what, count in self._lapses.items())
+        return (*self._log.said(), *changed, *lapses)
 
     def disturbed(self, what: str) -> None:
         """It has changed what belongs to the process."""
@@ -250,6 +255,40 @@ class Fmu:
         """
         self._check("leave initialisation mode", status)
         self._initialised = True
+
+    def get_texts(self, kind: VariableType, names: Sequence[str], count: int) -> Texts:
+        """The status, and the elements of String or Binary variables of one type.
+
+        No text at all (NULL) is taken as an empty one, and what is not UTF-8 in a String is
+        replaced by the sign for that; either is among what the FMU ``said``.
+
+        Raises:
+            ValueError: one is longer than what is carried.
+        """
+        references = [self.reference(name) for name in names]
+        status, found = self._bound.get_texts(kind, references, count)
+        self._calling("")
+        contents = [self._mended(content, names, kind) for content in found]
+        return status, contents
+
+    def set_texts(self, kind: VariableType, names: Sequence[str], contents: list[bytes]) -> int:
+        """The status of setting all elements of String or Binary variables of one type."""
+        references = [self.reference(name) for name in names]
+        status = self._bound.set_texts(kind, references, contents)
+        self._calling("")
+        return status
+
+    def _mended(self, content: bytes | None, names: Sequence[str], kind: VariableType) -> bytes:
+        which = names[0] if len(names) == 1 else f"one of {', '.join(names)}"
+        if content is None:
+            self._lapses[f"it put out no {kind} at all (NULL) as {which}"] += 1
+            return b""
+        if kind is VariableType.STRING:
+            mended = content.decode(errors="replace").encode()
+            if mended != content:
+                self._lapses[f"it put out a String that is not UTF-8 as {which}"] += 1
+            return mended
+        return content
 
     def configure(self, values: Mapping[str, list[Any]]) -> None:
         """Set structural parameters in FMI 3's configuration mode.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, Protocol
@@ -31,6 +31,7 @@ from cosim.master.kernel.native import (
     OperationStruct,
     RecordStruct,
 )
+from cosim.master.kernel.texts import CarriedTexts, Speaking
 from cosim.master.kernel.turning import Turning
 
 INITIAL = 0
@@ -62,7 +63,7 @@ def _run_lengths(
     return (last[np.searchsorted(last, places)] - places + 1).astype(np.int32)
 
 
-class Native(Protocol):
+class Native(Speaking, Protocol):
     """What the program needs of a loaded FMU."""
 
     version: int
@@ -91,11 +92,16 @@ class Native(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call-out to a Python component, or to ``forward`` or ``backward`` of a turned channel."""
+    """A call-out to a Python component, or to ``forward`` or ``backward`` of a turned channel.
+
+    Or what passes the texts of an FMU, and returns the status, or records those of a group.
+    """
 
     component: str
     method: str
     is_channel: bool = False
+    passes: Callable[[], int] | None = None
+    records: Callable[[int], None] | None = None
 
 
 class Program:
@@ -117,6 +123,8 @@ class Program:
         self.clock = clock
         self.cells: NDArray[np.int64] = np.zeros(max(layout.count, 1), dtype=np.int64)
         self.packets = Packets(wiring.bundles, layout, self.cells)
+        self.texts = CarriedTexts(parts, wiring.bundles, layout, self.cells)
+        self.texts.packets = self.packets
         self.turning = Turning(knobs or {}, layout, self.cells)
         dials = dials_of([name for name in self.turning.knobs if name[0] not in parts], layout)
         self.channels = TurnedChannels(
@@ -148,9 +156,17 @@ class Program:
         return cells.view(np.float64) if described.type.is_float else cells
 
     def compile(
-        self, plan: Plan, natives: Mapping[str, Native], columns: Sequence[Sequence[int]]
+        self,
+        plan: Plan,
+        natives: Mapping[str, Native],
+        columns: Sequence[Sequence[int]],
+        texts: Sequence[Sequence[int]] = (),
     ) -> None:
-        """Fill the structures. ``columns`` holds the recorded cells of each group."""
+        """Fill the structures. ``columns`` holds the recorded cells of each group.
+
+        ``texts`` are those of its texts.
+        """
+        self._texts = texts
         self._natives = natives
         self._numbers = {name: number for number, name in enumerate(sorted(natives))}
         self._columns = columns
@@ -178,7 +194,7 @@ class Program:
         self.cells[:] = 0
         if not self.packets.rewind(wiring.bundles, self.layout):
             self.packets = Packets(wiring.bundles, self.layout, self.cells)
-        self.channels.packets = self.packets
+        self.channels.packets = self.texts.packets = self.packets
         kernel = self.kernel
         kernel.bundles = ctypes.addressof(self.packets.structs)
         kernel.tick = kernel.phase = kernel.position = kernel.status = 0
@@ -202,6 +218,10 @@ class Program:
         """The warnings that FMUs have returned, by component."""
         counts = {name: self.instances[number].warnings for name, number in self._numbers.items()}
         return {name: count for name, count in counts.items() if count}
+
+    def warn(self, component: str) -> None:
+        """An FMU has returned a warning when its texts were passed."""
+        self.instances[self._numbers[component]].warnings += 1
 
     def set_warnings(self, counts: Mapping[str, int]) -> None:
         """Count on from the warnings of an earlier part of the run, by component."""
@@ -265,6 +285,7 @@ class Program:
                 yield from self._copies(unit, action.names)
             else:
                 yield from self._copies_and_sets(unit, action.names, set_always)
+                yield from self._text_calls(unit, set_always, is_set=True)
             if unit in self.parts:
                 yield from self._tunes(unit, action.names)
         elif action.act is Act.TUNE:
@@ -272,6 +293,7 @@ class Program:
         elif unit in self._natives:
             if action.act is Act.GET:
                 yield from self._accesses(unit, action.names, is_set=False)
+                yield from self._text_calls(unit, action.names, is_set=False)
             else:
                 yield OperationStruct(kind=OperationKind.STEP, owner=self._numbers[unit])
         elif self.parts[unit].overrides(_CALLS[action.act]):
@@ -286,6 +308,10 @@ class Program:
         elif action.act is Act.RECORD:
             columns = np.array(self._columns[number], dtype=np.int32)
             yield self._with_table(OperationKind.RECORD, columns, len(columns), owner=number)
+            if number < len(self._texts) and self._texts[number]:
+                records = self.texts.recorder(number, self._texts[number])
+                self.calls[len(self._operations)] = Call("record", "texts", records=records)
+                yield OperationStruct(kind=OperationKind.CALL)
         else:
             entries = self.wiring.bundles[number].entries
             indices = [int(name) for name in action.names]
@@ -349,7 +375,11 @@ class Program:
         """One operation for each run of neighbouring cells of one type."""
         variables = self.parts[unit].interface.variables
         native = self._natives[unit]
-        ordered = sorted((self.layout.cells[unit, str(name)], str(name)) for name in names)
+        ordered = sorted(
+            (self.layout.cells[unit, str(name)], str(name))
+            for name in names
+            if not variables[str(name)].type.is_text
+        )
         begins: list[int] = []
         expected: tuple[VariableType, int] | None = None
         for first, name in ordered:
@@ -384,6 +414,17 @@ class Program:
                 scratch=scratch.ctypes.data,
                 table=self._ranges([variables[name] for _, name in members]) if is_set else 0,
             )
+
+    def _text_calls(
+        self, unit: str, names: Iterable[str | int], *, is_set: bool
+    ) -> Iterable[OperationStruct]:
+        """A call-out for each type of text among the variables."""
+        fmu = self._natives[unit]
+        for passing in self.texts.passings(unit, [str(name) for name in names]):
+            make = self.texts.setter if is_set else self.texts.getter
+            call = Call(unit, f"{'set' if is_set else 'get'}_texts", passes=make(passing, fmu))
+            self.calls[len(self._operations)] = call
+            yield OperationStruct(kind=OperationKind.CALL, owner=self._places[unit])
 
     def _ranges(self, variables: Sequence[Variable]) -> int:
         """The least and the most of each element of enumerations; 0 where there are none."""

@@ -36,6 +36,7 @@ class BranchPoint:
     tick: int
     phase: int
     cells: NDArray[np.int64]
+    texts: Mapping[str, NDArray[Any]]
     bundles: tuple[tuple[dict[str, Any], dict[str, NDArray[np.int64]]], ...]
     python: Mapping[str, Any]
     warnings: Mapping[str, int]
@@ -74,6 +75,7 @@ def mark(
         tick=int(kernel.tick),
         phase=int(kernel.phase),
         cells=program.cells.copy(),
+        texts=program.texts.save(),
         bundles=tuple(program.packets.save(n) for n in range(len(assembly.wiring.bundles))),
         python={name: saved(name, component) for name, component in components.items()},
         warnings=program.warnings(),
@@ -122,4 +124,5 @@ def go_back(
     program.set_warnings(origin.warnings)
     program.kernel.tick, program.kernel.phase = origin.tick, origin.phase
     program.cells[:] = origin.cells
+    program.texts.load(origin.texts)
     load_components(components, origin.python)

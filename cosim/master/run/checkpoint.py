@@ -62,7 +62,7 @@ def take(
     """
     refuse_unless_resumable(assembly)
     kernel = program.kernel
-    arrays: dict[str, Any] = {"cells": program.cells.copy()}
+    arrays: dict[str, Any] = {"cells": program.cells.copy(), **program.texts.save()}
     if not without_state(assembly):
         for name, fmu in fmus.items():
             arrays[f"fmu.{name}"] = np.frombuffer(fmu.save_state(), dtype=np.uint8)
@@ -119,6 +119,7 @@ def put_back(
         for name, fmu in fmus.items():
             fmu.load_state(arrays[f"fmu.{name}"].tobytes())
         program.cells[:] = arrays["cells"]
+        program.texts.load(arrays)
         program.channels.take_back()
         for number, saved in enumerate(values["bundles"]):
             prefix = f"bundle.{number}."
@@ -154,7 +155,7 @@ def load_components(components: Mapping[str, Component], saved: Mapping[str, Any
 
 def same_state(snapshot: Snapshot, program: Program) -> bool:
     """Whether a run that was repeated up to a snapshot has the values that it had then."""
-    return bool(np.array_equal(program.cells, snapshot.arrays["cells"]))
+    return program.texts.are_those_of(snapshot.arrays["cells"], snapshot.arrays)
 
 
 def saved(name: str, component: Component) -> Any:

@@ -7,25 +7,39 @@ measure it puts out as NaN on purpose; nothing may be connected to that.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
 from cosim.base.component import Causality, Component, Role
 from cosim.base.errors import RunError
 from cosim.master.components.interface import Element, has_cells, size_of
+from cosim.master.fmu.binding import OK, WARNING
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Call, Program
 from cosim.master.run.diagnosis import moment
 
 
+class StatusReturnedError(RunError):
+    """An FMU returned what is not well when its texts were passed; the kernel's status has it."""
+
+    def __init__(self) -> None:
+        super().__init__("an FMU returned a status")
+
+
 def guarded(
     program: Program, components: Mapping[str, Component], call: Call
 ) -> Callable[[int], None]:
-    """What a call-out does: a channel that is turned, or the method of a component.
+    """What a call-out does: turn a channel, call a component's method, pass or record texts.
 
     Raises, when called:
-        RunError: an output of the component became NaN.
+        RunError: an output of the component became NaN, or a text is too long.
+        StatusReturnedError: an FMU's status is that of an error.
     """
+    if call.passes is not None:
+        return partial(_pass_texts, program, call, call.passes)
+    if call.records is not None:
+        return call.records
     if call.is_channel:
         return lambda _: program.channels.carry_out((call.component, call.method))
     component = components[call.component]
@@ -56,3 +70,16 @@ def guarded(
             )
 
     return handle
+
+
+def _pass_texts(program: Program, call: Call, passes: Callable[[], int], tick: int) -> None:
+    del tick
+    try:
+        status = passes()
+    except ValueError as error:
+        raise RunError(f"{call.component}: {error}, at {moment(program)}") from None
+    if status == WARNING:
+        program.warn(call.component)
+    elif status != OK:
+        program.kernel.status = status
+        raise StatusReturnedError

@@ -22,7 +22,7 @@ from cosim.master.assembly.assemble import Assembly, Only, put_together
 from cosim.master.channels.packets import PacketCount
 from cosim.master.components.interface import has_cells
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participants import Factory, Values, setup_of
+from cosim.master.components.participants import Factory, Participant, Values, setup_of
 from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.isolation.isolated import ProcessEnded
@@ -35,7 +35,7 @@ from cosim.master.kernel.program import INITIAL, Program
 from cosim.master.run import branch_point, checkpoint
 from cosim.master.run.branch_point import BranchPoint
 from cosim.master.run.diagnosis import explain, moment
-from cosim.master.run.guard import guarded
+from cosim.master.run.guard import StatusReturnedError, guarded
 from cosim.master.run.interrupt import Wish, wish_to_stop
 from cosim.master.run.replay import with_events
 from cosim.master.run.restart import Restart, Times
@@ -218,6 +218,7 @@ class Simulation:
                 if self._origin is None:
                     last = self.scenario.ticks if mark_at_end else end
                     self._start(last, recorded=sink is not None)
+            self.program.texts.record_into(sink)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
             with wish_to_stop(self._whereabouts.hear) as wish:
@@ -380,6 +381,7 @@ class Simulation:
             InputError: a component refuses its parameters or cannot be loaded.
             RunError: it failed.
         """
+        self.program.texts.record_into(None)
         self._start(self.scenario.ticks, recorded=True, rehearsal=told)
 
     def close(self) -> None:
@@ -482,6 +484,7 @@ class Simulation:
             self._put_back(snapshot)
             return
         self._refuse_beyond_end(snapshot)
+        self.program.texts.record_into(None)
         self._repeat(snapshot.tick, Forgetful(self.groups) if recorded else None)
         if not checkpoint.same_state(snapshot, self.program):
             raise RunError(
@@ -542,7 +545,8 @@ class Simulation:
                 self.program.refresh()
             return
         plan = self.assembly.plan if recorded else self.assembly.plan.without_recording()
-        self.program.compile(plan, self._fmus, self.assembly.columns)
+        columns, texts = self.assembly.columns, self.assembly.text_columns
+        self.program.compile(plan, self._fmus, columns, texts)
         self._compiled = recorded
 
     def _create_fmus(self, told: Told) -> None:
@@ -586,7 +590,9 @@ class Simulation:
                 causality: {
                     variable.name: self.program.view(name, variable.name)
                     for variable in participant.interface.variables.values()
-                    if variable.causality == causality and has_cells(variable)
+                    if variable.causality == causality
+                    and has_cells(variable)
+                    and not variable.type.is_text
                 }
                 for causality in ("input", "output")
             }
@@ -596,13 +602,30 @@ class Simulation:
             self._whereabouts.note(name, "its initialisation")
             begin = component.rehearse if rehearsal else component.initialise
             with sentences(name, "while it was initialised"):
+                self._bind_texts(component, participant)
                 begin(setup_of(self.scenario, participant), views["input"], views["output"])
+
+    def _bind_texts(self, component: Component, participant: Participant) -> None:
+        """Give a Python component its views of texts, where it has any."""
+        inputs, outputs = (
+            {
+                variable.name: self.program.texts.view(participant.name, variable.name)
+                for variable in participant.interface.variables.values()
+                if variable.causality == causality and variable.type.is_text
+            }
+            for causality in ("input", "output")
+        )
+        if inputs or outputs:
+            component.bind_texts(inputs, outputs)
 
     def _fill_start_values(self) -> None:
         """The cells before anything is computed; kept for the next run, if it starts from them."""
         start = {name: each.start for name, each in self.assembly.participants.items()}
         start["knobs"] = {".".join(name): k.start for name, k in self.assembly.knobs.all.items()}
-        if self._start_cells is not None and self._start_cells[0] == start:
+        self.program.texts.table.clear()
+        is_known = self._start_cells is not None and self._start_cells[0] == start
+        if is_known and not self.program.texts.are_there:
+            assert self._start_cells is not None
             self.program.cells[:] = self._start_cells[1]
             return
         self._write_start_values()
@@ -613,6 +636,8 @@ class Simulation:
             for variable in participant.interface.variables.values():
                 if has_cells(variable):
                     values = participant.start.get(variable.name) or element_start(variable)
+                    if variable.type.is_text:
+                        values = [self.program.texts.number_of(value) for value in values]
                     self.program.view(name, variable.name).reshape(-1)[:] = values
         self.program.turning.fill_start_values()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
@@ -691,8 +716,11 @@ class Simulation:
         call = self.program.calls[operation]
         if operation not in self._handlers:
             self._handlers[operation] = guarded(self.program, self._components, call)
-        with sentences(call.component, f"in {call.method} at {moment(self.program)}"):
-            self._handlers[operation](int(self.program.kernel.tick))
+        try:
+            with sentences(call.component, f"in {call.method} at {moment(self.program)}"):
+                self._handlers[operation](int(self.program.kernel.tick))
+        except StatusReturnedError:
+            self._raise_unless_done(Stop.STATUS)
 
     def _raise_unless_done(self, stop: Stop) -> None:
         if stop is not Stop.DONE:

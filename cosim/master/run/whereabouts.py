@@ -35,7 +35,10 @@ class Whereabouts:
         self.kernel: Any = KernelStruct.from_buffer(self._memory, _NOTE_BYTES)
 
     def note(self, component: str, call: str) -> None:
-        """A function of a component is about to be called, not by the kernel."""
+        """A function of a component is about to be called, not by the kernel; none: it is over."""
+        if not call:
+            self.clear()
+            return
         text = f"{component}\n{call}".encode()[: _HEARD - 1]
         self._memory[: len(text) + 1] = text + b"\0"
 

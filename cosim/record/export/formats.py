@@ -3,7 +3,7 @@
 ``csv`` and ``parquet`` get one file for each group; ``mat``, ``mf4`` and ``mcap`` one file with a
 struct, a channel group or a topic for each. The first columns are the base tick and the time (s).
 With ``held`` everything is put on the fastest group's rows instead, slower signals held as they
-were, in one table.
+were, in one table. Texts get a table of their changes.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from cosim.base.wildcard import compile_wildcard
 from cosim.record.export.mcap import write_mcap
 from cosim.record.export.mdf import write_mdf
 from cosim.record.export.table import Span, Table, needed
+from cosim.record.export.texts import TextTable, text_tables
 from cosim.record.reader import RecordedSignal, Run
 
 MATLAB_NAME_LENGTH = 63
@@ -48,19 +49,19 @@ def export(
     """
     if kind not in EXPORTERS:
         raise InputError(f"{kind}: is no export format; there are {', '.join(EXPORTERS)}.")
-    if not run.signals:
+    if not run.signals and not run.texts:
         raise InputError(f"{run.folder}: nothing is recorded in it, so nothing can be exported.")
-    signals = chosen(run, patterns)
-    tables = [_held_table(run, signals)] if held else _tables(run, signals)
+    signals, texts = chosen(run, patterns), chosen_texts(run, patterns)
+    tables = [_held_table(run, signals)] if held and signals else _tables(run, signals)
     tables = [part for table in tables if (part := table.within(span)).rows]
-    if not tables:
+    if not tables and not texts:
         raise InputError(f"{run.folder}: no row lies in the time that is to be exported.")
     with writing(folder, "--out takes a folder for the files"):
         folder.mkdir(parents=True, exist_ok=True)
-        return EXPORTERS[kind](tables, folder)
+        return EXPORTERS[kind](tables, text_tables(run, texts, span), folder)
 
 
-def chosen(run: Run, patterns: Iterable[str]) -> list[RecordedSignal]:
+def chosen(run: Run, patterns: Collection[str]) -> list[RecordedSignal]:
     """The signals that names and patterns mean; all of them without one.
 
     Raises:
@@ -70,10 +71,20 @@ def chosen(run: Run, patterns: Iterable[str]) -> list[RecordedSignal]:
     for pattern in patterns:
         expression = compile_wildcard(pattern)
         names = [name for name in run.signals if expression.fullmatch(name)]
-        if not names:
+        if not names and not any(map(expression.fullmatch, run.texts)):
             names = [run[pattern].name]  # refuses, and says what comes near
         found |= dict.fromkeys(names)
-    return [run.signals[name] for name in (found or run.signals)]
+    return [run.signals[name] for name in (found if patterns else run.signals)]
+
+
+def chosen_texts(run: Run, patterns: Iterable[str]) -> list[str]:
+    """The texts that names and patterns mean; all of them without one."""
+    expressions = [compile_wildcard(pattern) for pattern in patterns]
+    return [
+        name
+        for name in run.texts
+        if not expressions or any(expression.fullmatch(name) for expression in expressions)
+    ]
 
 
 def _tables(run: Run, signals: Sequence[RecordedSignal]) -> list[Table]:
@@ -96,7 +107,7 @@ def _held_table(run: Run, signals: Sequence[RecordedSignal]) -> Table:
     return Table("held", run, period, rows, tuple(signals))
 
 
-def _write_csv(tables: list[Table], folder: Path) -> list[Path]:
+def _write_csv(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
     """Numbers as the shortest text that reads back to the same double; units in the second line."""
     paths: list[Path] = []
     for table in tables:
@@ -111,10 +122,21 @@ def _write_csv(tables: list[Table], folder: Path) -> list[Path]:
                 every = [ticks, table.run.seconds(ticks), *columns]
                 writer.writerows(zip(*(column.tolist() for column in every), strict=True))
         paths.append(path)
+    for text in texts:
+        path = folder / f"{text.name}.csv"
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["tick", "time", "signal", "value"])
+            times = text.run.seconds(text.ticks).tolist()
+            writer.writerows(
+                (tick, time, signal, value)
+                for (tick, signal, value), time in zip(text.rows, times, strict=True)
+            )
+        paths.append(path)
     return paths
 
 
-def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
+def _write_mat(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
     """A MAT-file of level 5: a struct for each group with tick, time, signals, names and units."""
     content: dict[str, Any] = {}
     for table in tables:
@@ -130,6 +152,13 @@ def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
             columns[field] = table.values(signal, 0, table.rows)[:, None]
             units[field], names[field] = signal.unit, signal.name
         content[matlab_names([table.name])[0]] = columns | {"units": units, "names": names}
+    for text in texts:
+        content[matlab_names([text.name])[0]] = {
+            "tick": text.ticks[:, None],
+            "time": text.run.seconds(text.ticks)[:, None],
+            "signal": np.array(text.signals, dtype=object),
+            "value": np.array(text.values, dtype=object),
+        }
     rate = tables[0].run.base_rate
     content["base_rate"] = np.array([[rate.numerator, rate.denominator]], np.int64)
     path = folder / "run.mat"
@@ -139,7 +168,7 @@ def _write_mat(tables: list[Table], folder: Path) -> list[Path]:
     return [path]
 
 
-def _write_parquet(tables: list[Table], folder: Path) -> list[Path]:
+def _write_parquet(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
     """Columns with their units as field metadata; base rate and period as the table's."""
     arrow, parquet = needed("parquet", "pyarrow"), needed("parquet", "pyarrow.parquet")
     paths: list[Path] = []
@@ -158,6 +187,16 @@ def _write_parquet(tables: list[Table], folder: Path) -> list[Path]:
                 columns = [table.values(signal, first, last) for signal in table.signals]
                 arrays = [arrow.array(c) for c in (ticks, table.run.seconds(ticks), *columns)]
                 writer.write_batch(arrow.record_batch(arrays, schema=schema))
+        paths.append(path)
+    for text in texts:
+        path = folder / f"{text.name}.parquet"
+        columns = {
+            "tick": text.ticks,
+            "time": text.run.seconds(text.ticks),
+            "signal": arrow.array(text.signals, arrow.string()),
+            "value": arrow.array(text.values, arrow.string()),
+        }
+        parquet.write_table(arrow.table(columns), path)
         paths.append(path)
     return paths
 
@@ -181,7 +220,7 @@ def matlab_names(names: list[str]) -> list[str]:
     return found
 
 
-EXPORTERS: Mapping[str, Callable[[list[Table], Path], list[Path]]] = {
+EXPORTERS: Mapping[str, Callable[[list[Table], list[TextTable], Path], list[Path]]] = {
     "csv": _write_csv,
     "mat": _write_mat,
     "mcap": write_mcap,

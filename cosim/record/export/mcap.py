@@ -7,6 +7,7 @@ the encoding (OMG DDS-RTPS 2.5, section 10.5).
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,15 @@ from typing import Any
 import numpy as np
 
 from cosim.record.export.table import Table, needed
+from cosim.record.export.texts import TextTable
+from cosim.record.reader import Run
 
 CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 NANOSECONDS = 1_000_000_000
 
 
-def write_mcap(tables: list[Table], folder: Path) -> list[Path]:
-    """``run.mcap``: a topic for each group, log times in simulated ns.
+def write_mcap(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+    """``run.mcap``: a topic for each group, log times in simulated ns; texts as JSON messages.
 
     The metadata record ``signals/GROUP`` holds the original name and unit of each field.
 
@@ -34,6 +37,8 @@ def write_mcap(tables: list[Table], folder: Path) -> list[Path]:
         writer.start(profile="ros2", library="cohaptic")
         for table in tables:
             _write_topic(writer, table)
+        for text in texts:
+            _write_texts(writer, text)
         writer.finish()
     return [path]
 
@@ -58,7 +63,6 @@ def _write_topic(writer: Any, table: Table) -> None:
         },
     )
     row = np.dtype([(name, "<f8" if kind == "float64" else "<i8") for name, kind in fields])
-    rate = table.run.base_rate
     for first, last in table.pieces():
         ticks = table.ticks(first, last)
         rows = np.empty(last - first, dtype=row)
@@ -66,7 +70,7 @@ def _write_topic(writer: Any, table: Table) -> None:
         for name, signal in zip(names, table.signals, strict=True):
             rows[name] = table.values(signal, first, last)
         for tick, record in zip(ticks.tolist(), rows, strict=True):
-            at = (tick + table.run.start_tick) * rate.denominator * NANOSECONDS // rate.numerator
+            at = _nanoseconds(table.run, tick)
             writer.add_message(
                 channel_id=channel,
                 log_time=at,
@@ -74,6 +78,41 @@ def _write_topic(writer: Any, table: Table) -> None:
                 data=CDR_LITTLE_ENDIAN + record.tobytes(),
                 sequence=tick // table.period,
             )
+
+
+def _write_texts(writer: Any, texts: TextTable) -> None:
+    schema = writer.register_schema(
+        name="cohaptic/text",
+        encoding="jsonschema",
+        data=json.dumps(
+            {
+                "type": "object",
+                "properties": {
+                    "tick": {"type": "integer"},
+                    "signal": {"type": "string"},
+                    "value": {"type": "string"},
+                },
+            }
+        ).encode(),
+    )
+    channel = writer.register_channel(
+        topic=f"/{texts.name}", message_encoding="json", schema_id=schema
+    )
+    for number, (tick, signal, value) in enumerate(texts.rows):
+        at = _nanoseconds(texts.run, tick)
+        message = {"tick": tick, "signal": signal, "value": value}
+        writer.add_message(
+            channel_id=channel,
+            log_time=at,
+            publish_time=at,
+            data=json.dumps(message).encode(),
+            sequence=number,
+        )
+
+
+def _nanoseconds(run: Run, tick: int) -> int:
+    rate = run.base_rate
+    return (tick + run.start_tick) * rate.denominator * NANOSECONDS // rate.numerator
 
 
 def ros_names(names: list[str]) -> list[str]:

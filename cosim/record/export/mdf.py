@@ -5,12 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cosim.record.export.table import Table, needed
+from cosim.record.export.texts import TextTable
 
 VERSION = "4.10"
 
 
-def write_mdf(tables: list[Table], folder: Path) -> list[Path]:
+def write_mdf(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
     """``run.mf4``: the master channel is the time (s), ``tick`` the base tick as an integer.
 
     Raises:
@@ -33,8 +36,24 @@ def write_mdf(tables: list[Table], folder: Path) -> list[Path]:
                         comment=f"base rate {table.run.base_rate} Hz, period {table.period} ticks",
                         common_timebase=True,
                     )
+        for text in texts:
+            file.append(_text_channels(mdf.Signal, text), acq_name=text.name, common_timebase=True)
         file.save(path, overwrite=True, compression=1)
     return [path]
+
+
+def _text_channels(make: Any, texts: TextTable) -> list[Any]:
+    """MDF keeps texts in fields of one length, filled up with zeros."""
+    ticks = texts.ticks
+    time = texts.run.seconds(ticks)
+    columns = {"signal": texts.signals, "value": texts.values}
+    return [
+        make(ticks, time, name="tick", unit="1", comment="base tick"),
+        *(
+            make(np.array([each.encode() for each in column]), time, name=name, encoding="utf-8")
+            for name, column in columns.items()
+        ),
+    ]
 
 
 def _channels(make: Any, table: Table, rows: int) -> list[Any]:

@@ -9,10 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.suggest import did_you_mean
+from cosim.base.system.installed import registered
 from cosim.scenario.build.context import Context
 from cosim.scenario.form.document import ComponentForm, DeviceForm
 from cosim.scenario.model import Kind, ScenarioComponent
 from cosim.scenario.source.merge import KINDS
+
+COMPONENTS = "cohaptic.components"
+"""The entry points with which packages register components under short names."""
 
 
 def build_component(context: Context, name: str, form: ComponentForm) -> ScenarioComponent | None:
@@ -118,7 +122,19 @@ def _python(text: str, folder: Path) -> tuple[str | None, str]:
         return f"{file}:{found[2]}", ""
     if re.fullmatch(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*", text):
         return text, ""
-    return None, f"'{text}' is no Python class; write 'package.module:Class' or 'file.py:Class'."
+    # A package that is installed may have registered a short name.
+    if re.fullmatch(r"[\w.-]+", text):
+        names = [entry.name for entry in registered(COMPONENTS)]
+        if text in names:
+            return text, ""
+        hint = did_you_mean(text, names)
+    else:
+        hint = ""
+    message = (
+        f"'{text}' is no Python class; write 'package.module:Class' or 'file.py:Class', or the "
+        f"name of one that a package has registered.{hint}"
+    )
+    return None, message
 
 
 def _url(text: str) -> tuple[str | None, str]:

@@ -61,7 +61,8 @@ class ComponentForm(Form):
         default=None, description="A bundled model's name, or the path of an FMI 2 or 3 archive."
     )
     python: str | None = Field(
-        default=None, description="`module:Class` or `file.py:Class`, a Component subclass."
+        default=None,
+        description="`module:Class`, `file.py:Class` or a registered name, a Component subclass.",
     )
     device: (
         Annotated[

@@ -141,6 +141,22 @@ class Isolated:
         """
         return self._ask("set_values", kind, reference, values)
 
+    def set_texts(
+        self, kind: VariableType, references: Sequence[int], contents: Sequence[bytes]
+    ) -> int:
+        """Set all elements of variables whose type is a text's; a message of its own."""
+        return self._ask("set_texts", kind, references, contents)
+
+    def get_texts(
+        self, kind: VariableType, references: Sequence[int], count: int
+    ) -> tuple[int, list[bytes | None]]:
+        """The status, and the elements of variables whose type is a text's; a message of its own.
+
+        Raises:
+            ValueError: one is longer than what is carried.
+        """
+        return self._ask("get_texts", kind, references, count)
+
     def enter_configuration(self) -> int:
         """Enter configuration mode."""
         return self._ask("enter_configuration")

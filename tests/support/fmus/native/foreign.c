@@ -11,6 +11,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #define UNUSED __attribute__((unused))
 #define VALUES 64
+#define TEXT 256
 
 typedef struct {
     void (*logger)(void *, const char *, int, const char *, const char *, ...);
@@ -23,7 +24,8 @@ typedef struct {
 typedef struct {
     double real[VALUES]; /* of any type with a fraction, by value reference */
     int64_t whole[VALUES];
-    const char *text[VALUES];
+    char text[VALUES][TEXT]; /* of Strings and Binaries */
+    size_t size[VALUES]; /* of Binaries */
     double time;
     void (*log2)(void *, const char *, int, const char *, const char *, ...);
     void (*log3)(void *, int, const char *, const char *);
@@ -177,13 +179,75 @@ EXPORT void fmi3FreeInstance(Foreign *instance) { (void)HOOK(instance, "FreeInst
         return 0;                                                                                 \
     }
 
-typedef const char *Text;
+/* Texts are copied, as the standard says: what was passed is gone after the call. */
+UNUSED static void keep(char *place, const char *text, size_t size)
+{
+    size_t i = 0;
+    for (; i < size && i < TEXT - 1; i++)
+        place[i] = text[i];
+    place[i] = 0;
+}
+
+UNUSED static size_t length(const char *text)
+{
+    size_t i = 0;
+    while (text[i])
+        i++;
+    return i;
+}
+
+#ifdef WITHOUT_OWN_TEXTS
+#define SHOWN(M, R) shown(M, R)
+#else
+#define SHOWN(M, R) (M)->text[R]
+#endif
+
+#define TEXT_ACCESS(VERSION, ...)                                                                 \
+    EXPORT int fmi##VERSION##GetString(Foreign *instance, const uint32_t *r, size_t n,            \
+                                       const char **values, ##__VA_ARGS__)                        \
+    {                                                                                             \
+        ENTER("GetString");                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            values[i] = SHOWN(instance, r[i]);                                                    \
+        return 0;                                                                                 \
+    }                                                                                             \
+    EXPORT int fmi##VERSION##SetString(Foreign *instance, const uint32_t *r, size_t n,            \
+                                       const char *const *values, ##__VA_ARGS__)                  \
+    {                                                                                             \
+        ENTER("SetString");                                                                       \
+        for (size_t i = 0; i < n; i++)                                                            \
+            keep(instance->text[r[i]], values[i], length(values[i]));                             \
+        return 0;                                                                                 \
+    }
+
 ACCESS2(Real, double, real)
 ACCESS2(Integer, int, whole)
 ACCESS2(Boolean, int, whole)
 #ifndef WITHOUT_TEXTS
-ACCESS2(String, Text, text)
-ACCESS3(String, Text, text)
+TEXT_ACCESS(2)
+TEXT_ACCESS(3, size_t m)
+
+EXPORT int fmi3GetBinary(Foreign *instance, const uint32_t *r, size_t n, size_t *sizes,
+                         const char **values, size_t m)
+{
+    ENTER("GetBinary");
+    for (size_t i = 0; i < n; i++) {
+        sizes[i] = instance->size[r[i]];
+        values[i] = sizes[i] ? instance->text[r[i]] : 0;
+    }
+    return 0;
+}
+
+EXPORT int fmi3SetBinary(Foreign *instance, const uint32_t *r, size_t n, const size_t *sizes,
+                         const char *const *values, size_t m)
+{
+    ENTER("SetBinary");
+    for (size_t i = 0; i < n; i++) {
+        keep(instance->text[r[i]], values[i], sizes[i]);
+        instance->size[r[i]] = sizes[i] < TEXT ? sizes[i] : TEXT - 1;
+    }
+    return 0;
+}
 #endif
 ACCESS3(Float64, double, real)
 ACCESS3(Float32, float, real)
