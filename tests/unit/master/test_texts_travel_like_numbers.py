@@ -11,9 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, RunError
 from cosim.base.recording import MemorySink
+from cosim.base.texts import TextTable
+from cosim.master.assembly.assemble import put_together
 from cosim.master.run.simulation import assemble
+from cosim.master.run.snapshot import Snapshot
+from cosim.station.split import split
 from tests.support.fmus.foreign import foreign_fmu, scalar
 from tests.support.master.master_support import run, scenario_of
 
@@ -184,3 +188,88 @@ def test_an_fmu_takes_and_gives_texts(tmp_path: Path, version: int, isolated: bo
             list(held(sink, "two.data").values())[2:] == list(held(sink, "one.data").values())[1:-1]
         )
     assert np.array_equal(sink.signal("one.number"), range(64))
+
+
+def test_a_real_link_refuses_a_text_by_name(tmp_path: Path) -> None:
+    scenario = scenario_of(tmp_path, two({"rate": 32}))
+    with pytest.raises(InputError, match=r"one\.word goes through the channel net and is a text"):
+        split(put_together(scenario), "here")
+
+
+def test_a_component_that_takes_no_texts_declares_none(tmp_path: Path) -> None:
+    (tmp_path / "deaf.py").write_text(
+        "from tests.support.master.text_parts import *\n"
+        "class Deaf(Counter):\n    bind_texts = Component.bind_texts\n"
+    )
+    parts = {"it": {"python": "deaf.py:Deaf", "rate": 64}}
+    with pytest.raises(InputError, match=r"the String 'word' is handed over by bind_texts"):
+        assemble(scenario_of(tmp_path, {"duration": 1, "components": parts}))
+
+
+@pytest.mark.parametrize("value", ["1", "b'x'", "'a\\0b'"])
+def test_what_is_no_text_is_a_sentence(tmp_path: Path, value: str) -> None:
+    (tmp_path / "wrong.py").write_text(
+        "from tests.support.master.text_parts import *\nclass Wrong(Counter):\n"
+        f"    def step(self, tick):\n        self.texts['word'][0] = {value}\n"
+    )
+    parts = {"it": {"python": "wrong.py:Wrong", "rate": 64}}
+    with pytest.raises(RunError, match=r"it failed in step at tick 0.*String"):
+        run(scenario_of(tmp_path, {"duration": 1, "components": parts}))
+
+
+def test_what_nobody_names_any_more_is_forgotten() -> None:
+    named: list[int] = []
+    table = TextTable(lambda: named)
+    for number in range(20000):
+        named[:] = [table.number(b"%d" % number)]
+    assert len(table.save()) == 2
+    assert table.content(named[0]) == b"19999"
+
+
+def test_what_is_named_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cosim.base.texts.MOST_LIVE_BYTES", 100)
+    named: list[int] = []
+    table = TextTable(lambda: named)
+    named += [table.number(b"a" * 60), table.number(b"b" * 40)]
+    with pytest.raises(ValueError, match="more than 100 bytes together"):
+        table.number(b"c")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"unit": "m"}, {"minimum": 0}, {"start": 3}, {"start": ("a", "b", "c"), "shape": (2,)}],
+)
+def test_what_a_text_cannot_declare_is_refused(tmp_path: Path, wrong: dict[str, Any]) -> None:
+    (tmp_path / "odd.py").write_text(
+        "from tests.support.master.text_parts import *\nclass Odd(Counter):\n"
+        f"    variables = [text('word', Causality.OUTPUT, **{wrong})]\n"
+    )
+    parts = {"it": {"python": "odd.py:Odd", "rate": 64}}
+    with pytest.raises(InputError, match=r"'word'"):
+        assemble(scenario_of(tmp_path, {"duration": 1, "components": parts}))
+
+
+def test_a_snapshot_carries_what_flies_and_what_is_held(tmp_path: Path) -> None:
+    """Restored into another simulation, also in mid-flight, the rest is the same."""
+    scenario = scenario_of(tmp_path, two({"rate": 32, "each_way_delay": 2, "loss": 0.2}))
+    whole, _ = run(scenario)
+    with assemble(scenario) as simulation:
+        simulation.start()
+        simulation.advance(29)
+        snapshot = Snapshot.from_bytes(simulation.snapshot().to_bytes())
+    rest = Late()
+    with assemble(scenario) as simulation:
+        simulation.restore(snapshot)
+        simulation.run(rest)
+    for name in ("one.word", "two.word", "two.data", "two.heard", "two.names[2]"):
+        columns = [column.name for column in whole.groups[0].texts]
+        changes = rest.text(0, columns.index(name))
+        now = {t: [c for at, c in changes if at <= t][-1] for t in range(29, 64)}
+        assert now == {tick: value for tick, value in held(whole, name).items() if tick >= 29}
+
+
+class Late(MemorySink):
+    """Takes the rows of the rest of a run."""
+
+    def commit(self, group: int, first_tick: int, rows: int) -> None:
+        """Rows are not looked at."""

@@ -89,9 +89,9 @@ def bindings(*each: str) -> str:
     return f"<ParameterBindings>{''.join(each)}</ParameterBindings>"
 
 
-def ssd(folder: Path, inside: str, version: str = "1.0") -> Path:
+def ssd(folder: Path, inside: str, version: str = "1.0", start: str = "0") -> Path:
     file = folder / "SystemStructure.ssd"
-    experiment = '<DefaultExperiment startTime="0" stopTime="1"/>'
+    experiment = f'<DefaultExperiment startTime="{start}" stopTime="1"/>'
     file.write_text(
         HEAD.format(version=version)
         + f'<System name="root">{inside}</System>{experiment}</SystemStructureDescription>'
@@ -306,3 +306,27 @@ def test_an_osp_system_structure_is_read(folder: Path) -> None:
     file.write_text(OSP.replace("{function}", "Sum"))
     with pytest.raises(InputError, match="a Sum 'f' cannot be used here"):
         read(file, Fraction(2))
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "duration"), [("0.25", None, "0.75"), ("-1", None, "2"), ("0.5", 3, "2.5")]
+)
+def test_time_begins_where_the_system_says(
+    folder: Path, start: str, stop: int | None, duration: str
+) -> None:
+    file = ssd(folder, f"<Elements>{component('a')}</Elements>", start=start)
+    document, notes = read(file, None if stop is None else Fraction(stop))
+    assert notes == []
+    assert (document["start_time"], document["duration"]) == (start, duration)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "sentence"),
+    [("2", None, "begins at 2 s and would stop at 1 s"), ("INF", 1, "is INF, which is no time")],
+)
+def test_a_time_that_cannot_be_is_refused(
+    folder: Path, start: str, stop: int | None, sentence: str
+) -> None:
+    file = ssd(folder, f"<Elements>{component('a')}</Elements>", start=start)
+    with pytest.raises(InputError, match=sentence):
+        read(file, None if stop is None else Fraction(stop))
