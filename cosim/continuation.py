@@ -18,7 +18,7 @@ from cosim.master.run.checkpoint import refuse_unless_resumable
 from cosim.master.run.simulation import Pause, Progress, Simulation
 from cosim.master.run.snapshot import Snapshot, read_snapshot
 from cosim.record.reader import SCENARIO_FILE, Run, open_run
-from cosim.record.texts import RecordedText
+from cosim.record.texts.recorded import RecordedText
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -14,7 +14,7 @@ from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
 from cosim.base.texts import TextCells
 from cosim.record.reader import Values, open_run
-from cosim.record.texts import RecordedText
+from cosim.record.texts.recorded import RecordedText
 from cosim.scenario import Kind
 from cosim.scenario import ScenarioComponent as Written
 

@@ -27,7 +27,8 @@ from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.record.stores import FileStore, GroupStore
-from cosim.record.texts import RecordedText, read_texts
+from cosim.record.texts.journal import read_texts
+from cosim.record.texts.recorded import RecordedText
 
 RUN_FILE = "run.h5"
 MANIFEST_FILE = "manifest.json"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cosim.base.recording import Column, MemorySink
 from cosim.record.old_meaning import old_meaning
 from cosim.record.table import TABLE, read_entry, read_table
-from cosim.record.texts import RecordedText
+from cosim.record.texts.recorded import RecordedText
 
 Place = tuple[Column, Any, int | None]
 """A signal, what its values are read from, and the row there that is the signal's."""

@@ -25,7 +25,7 @@ from cosim.base.recording import RecordGroup
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, rows_in, write_cells
 from cosim.record.rewriting.compact import compact
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
-from cosim.record.texts import TextJournal
+from cosim.record.texts.journal import TextJournal
 
 BLOCK_BYTES = 1 << 21
 BLOCK_ROWS = (16, 4096)

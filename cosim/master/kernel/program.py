@@ -19,6 +19,7 @@ from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.plan import Act, Action, Part, Plan, due_together
 from cosim.master.assembly.wiring import Wire, Wiring
 from cosim.master.channels.packets import Packets
+from cosim.master.channels.texts import CarriedTexts, Speaking
 from cosim.master.channels.turning import TurnedChannels, dials_of
 from cosim.master.components.interface import size_of
 from cosim.master.kernel.native import (
@@ -31,7 +32,6 @@ from cosim.master.kernel.native import (
     OperationStruct,
     RecordStruct,
 )
-from cosim.master.kernel.texts import CarriedTexts, Speaking
 from cosim.master.kernel.turning import Turning
 
 INITIAL = 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from cosim.base.wildcard import compile_wildcard
 from cosim.record.export.mcap import write_mcap
 from cosim.record.export.mdf import write_mdf
 from cosim.record.export.table import Span, Table, needed
-from cosim.record.export.texts import TextTable, text_tables
+from cosim.record.export.texts import ChangeTable, text_tables
 from cosim.record.reader import RecordedSignal, Run
 
 MATLAB_NAME_LENGTH = 63
@@ -107,7 +107,7 @@ def _held_table(run: Run, signals: Sequence[RecordedSignal]) -> Table:
     return Table("held", run, period, rows, tuple(signals))
 
 
-def _write_csv(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+def _write_csv(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """Numbers as the shortest text that reads back to the same double; units in the second line."""
     paths: list[Path] = []
     for table in tables:
@@ -136,7 +136,7 @@ def _write_csv(tables: list[Table], texts: list[TextTable], folder: Path) -> lis
     return paths
 
 
-def _write_mat(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+def _write_mat(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """A MAT-file of level 5: a struct for each group with tick, time, signals, names and units."""
     content: dict[str, Any] = {}
     for table in tables:
@@ -159,7 +159,7 @@ def _write_mat(tables: list[Table], texts: list[TextTable], folder: Path) -> lis
             "signal": np.array(text.signals, dtype=object),
             "value": np.array(text.values, dtype=object),
         }
-    rate = tables[0].run.base_rate
+    rate = (tables or texts)[0].run.base_rate
     content["base_rate"] = np.array([[rate.numerator, rate.denominator]], np.int64)
     path = folder / "run.mat"
     needed("mat", "scipy.io").savemat(
@@ -168,7 +168,7 @@ def _write_mat(tables: list[Table], texts: list[TextTable], folder: Path) -> lis
     return [path]
 
 
-def _write_parquet(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+def _write_parquet(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """Columns with their units as field metadata; base rate and period as the table's."""
     arrow, parquet = needed("parquet", "pyarrow"), needed("parquet", "pyarrow.parquet")
     paths: list[Path] = []
@@ -220,7 +220,7 @@ def matlab_names(names: list[str]) -> list[str]:
     return found
 
 
-EXPORTERS: Mapping[str, Callable[[list[Table], list[TextTable], Path], list[Path]]] = {
+EXPORTERS: Mapping[str, Callable[[list[Table], list[ChangeTable], Path], list[Path]]] = {
     "csv": _write_csv,
     "mat": _write_mat,
     "mcap": write_mcap,

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 
 from cosim.record.export.table import Table, needed
-from cosim.record.export.texts import TextTable
+from cosim.record.export.texts import ChangeTable
 from cosim.record.reader import Run
 
 CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 NANOSECONDS = 1_000_000_000
 
 
-def write_mcap(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+def write_mcap(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """``run.mcap``: a topic for each group, log times in simulated ns; texts as JSON messages.
 
     The metadata record ``signals/GROUP`` holds the original name and unit of each field.
@@ -80,7 +80,7 @@ def _write_topic(writer: Any, table: Table) -> None:
             )
 
 
-def _write_texts(writer: Any, texts: TextTable) -> None:
+def _write_texts(writer: Any, texts: ChangeTable) -> None:
     schema = writer.register_schema(
         name="cohaptic/text",
         encoding="jsonschema",

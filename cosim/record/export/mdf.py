@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from cosim.record.export.table import Table, needed
-from cosim.record.export.texts import TextTable
+from cosim.record.export.texts import ChangeTable
 
 VERSION = "4.10"
 
 
-def write_mdf(tables: list[Table], texts: list[TextTable], folder: Path) -> list[Path]:
+def write_mdf(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """``run.mf4``: the master channel is the time (s), ``tick`` the base tick as an integer.
 
     Raises:
@@ -42,7 +42,7 @@ def write_mdf(tables: list[Table], texts: list[TextTable], folder: Path) -> list
     return [path]
 
 
-def _text_channels(make: Any, texts: TextTable) -> list[Any]:
+def _text_channels(make: Any, texts: ChangeTable) -> list[Any]:
     """MDF keeps texts in fields of one length, filled up with zeros."""
     ticks = texts.ticks
     time = texts.run.seconds(ticks)

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from cosim.record.export.table import Span
 from cosim.record.reader import Run
-from cosim.record.texts import RecordedText
+from cosim.record.texts.recorded import RecordedText
 
 
 @dataclass(frozen=True, slots=True)
-class TextTable:
+class ChangeTable:
     """The changes of a group's texts, the earliest first."""
 
     name: str
@@ -42,11 +42,11 @@ class TextTable:
         return [value for _, _, value in self.rows]
 
 
-def text_tables(run: Run, names: Collection[str], span: Span) -> list[TextTable]:
+def text_tables(run: Run, names: Collection[str], span: Span) -> list[ChangeTable]:
     """One for each group that has texts of these names, with the changes in a span of ticks."""
     begin, end = span
     return [
-        TextTable(
+        ChangeTable(
             f"{name}_texts",
             run,
             tuple(

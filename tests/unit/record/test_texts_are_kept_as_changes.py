@@ -19,7 +19,8 @@ from cosim.realtime.relay import refuse_texts
 from cosim.record.digest import digest
 from cosim.record.export.formats import EXPORTERS, export
 from cosim.record.reader import open_run
-from cosim.record.texts import JOURNAL_FILE, TEXTS_FILE
+from cosim.record.texts.journal import JOURNAL_FILE
+from cosim.record.texts.recorded import TEXTS_FILE
 from cosim.record.writer import Recorder
 from cosim.report.comparison import compare_runs
 from cosim.run import run_scenario

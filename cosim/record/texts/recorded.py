@@ -1,35 +1,30 @@
 """Texts and binary values of a run: their changes, beside the rows of numbers.
 
-While the run goes on they are appended to ``run.texts``: a line of JSON that names the columns, and
-for each change its group, column, tick and length (little-endian) before the bytes. A process that
-dies leaves what it has appended. At the end they become ``texts.h5``, put in place in one step::
+At the end of a run they become ``texts.h5``, put in place in one step::
 
     /<group>/<n>         one for each text, in the order recorded; attributes: name, type (String or
                          Binary), causality, description
     /<group>/<n>/tick    int64 (changes,): the base tick since which it is so
     /<group>/<n>/value   variable length (changes,): texts, or bytes
 
-A run in which no text is recorded has neither file.
+A run in which no text is recorded has no such file.
 """
 
 from __future__ import annotations
 
-import json
-import struct
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.recording import RecordGroup, TextColumn
+from cosim.base.recording import TextColumn
 from cosim.record.hdf5 import h5py
 
-JOURNAL_FILE, TEXTS_FILE = "run.texts", "texts.h5"
-_CHANGE = struct.Struct("<iiqq")
+TEXTS_FILE = "texts.h5"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,64 +67,6 @@ Texts = Mapping[str, Sequence[RecordedText]]
 """The recorded texts of each group."""
 
 
-class TextJournal:
-    """Appends changes to a run's folder, each in one write; ``finish`` makes the file to keep."""
-
-    def __init__(self, folder: Path, groups: Sequence[RecordGroup]) -> None:
-        """Begin ``run.texts``.
-
-        Raises:
-            OSError: it cannot be written.
-        """
-        self._folder = folder
-        self._last: dict[tuple[int, int], bytes] = {}
-        self._file = (folder / JOURNAL_FILE).open("wb", buffering=0)
-        head = [[group.name, [asdict(text) for text in group.texts]] for group in groups]
-        self._write(json.dumps(head).encode() + b"\n")
-
-    def put(self, group: int, column: int, tick: int, content: bytes) -> None:
-        """A text as it is from a tick on; nothing where it stays as it was.
-
-        Raises:
-            OSError: it cannot be written.
-        """
-        if self._last.get((group, column)) == content:
-            return
-        self._last[group, column] = content
-        self._write(_CHANGE.pack(group, column, tick, len(content)) + content)
-
-    def finish(self) -> None:
-        """Write ``texts.h5`` of everything that was put, and take the journal away.
-
-        Raises:
-            OSError: it cannot be written; the journal is still there.
-        """
-        self._file.close()
-        write_texts(self._folder / TEXTS_FILE, _read_journal(self._folder / JOURNAL_FILE))
-        (self._folder / JOURNAL_FILE).unlink()
-
-    def close(self) -> None:
-        """Leave the journal as it is."""
-        self._file.close()
-
-    def _write(self, data: bytes) -> None:
-        view = memoryview(data)
-        while view:
-            view = view[self._file.write(view) :]
-
-
-def read_texts(folder: Path) -> Texts:
-    """What a run's folder has of texts; of one that was cut off, what its journal has.
-
-    Raises:
-        OSError: a file cannot be read.
-    """
-    if (folder / TEXTS_FILE).is_file():
-        return _read_file(folder / TEXTS_FILE)
-    journal = folder / JOURNAL_FILE
-    return _read_journal(journal) if journal.is_file() else {}
-
-
 def write_texts(path: Path, texts: Texts) -> None:
     """Write the file whole, or not at all.
 
@@ -168,7 +105,12 @@ def _write_text(node: Any, text: RecordedText) -> None:
         values[place] = np.frombuffer(content, np.uint8) if column.is_binary else content
 
 
-def _read_file(path: Path) -> Texts:
+def read_text_file(path: Path) -> Texts:
+    """What ``write_texts`` wrote.
+
+    Raises:
+        OSError: it cannot be read.
+    """
     with h5py().File(path, "r", locking=False) as file:
         return {
             name: [_read_text(node[str(number)]) for number in range(len(node))]
@@ -192,28 +134,3 @@ def _read_text(node: Any) -> RecordedText:
 
 def _plain(content: Any) -> bytes:
     return content if isinstance(content, bytes) else content.tobytes()
-
-
-def _read_journal(path: Path) -> Texts:
-    head, _, data = path.read_bytes().partition(b"\n")
-    groups: list[Any] = json.loads(head) if head.endswith(b"]") else []
-    names = [name for name, _ in groups]
-    columns = [[TextColumn(**column) for column in described] for _, described in groups]
-    found: list[list[list[tuple[int, bytes]]]] = [[[] for _ in each] for each in columns]
-    for group, column, tick, content in _changes(data):
-        found[group][column].append((tick, content))
-    return {
-        name: [RecordedText(c, tuple(f)) for c, f in zip(described, changes, strict=True)]
-        for name, described, changes in zip(names, columns, found, strict=True)
-    }
-
-
-def _changes(data: bytes) -> Iterator[tuple[int, int, int, bytes]]:
-    """What was appended whole."""
-    at = 0
-    while at + _CHANGE.size <= len(data):
-        group, column, tick, size = _CHANGE.unpack_from(data, at)
-        begin, at = at + _CHANGE.size, at + _CHANGE.size + size
-        if at > len(data):
-            return
-        yield group, column, tick, data[begin:at]

@@ -1,0 +1,1 @@
+"""Recorded texts and binary values: a journal while the run goes on, a file when it is over."""
