@@ -96,6 +96,10 @@ class MemoryStore:
         self._columns = sink.groups[group].columns
         self._cells = cells
         self._rows = {column.name: row for row, column in enumerate(self._columns)}
+        self._texts = [
+            RecordedText(column, tuple(sink.text(group, number)))
+            for number, column in enumerate(sink.groups[group].texts)
+        ]
 
     def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
         """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
