@@ -13,7 +13,7 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.base.recording import RecordGroup, TextColumn
-from cosim.cli.support.continuation import Continuation, Origin
+from cosim.continuation import Continuation, Origin
 from cosim.master.run.simulation import assemble
 from cosim.realtime.relay import refuse_texts
 from cosim.record.digest import digest
