@@ -136,7 +136,8 @@ MISTAKES = {
         "third: {python: model.py",
         (
             "s.yaml:8:19: components.third: 'model.py' is no Python class; write "
-            "'package.module:Class' or 'file.py:Class'."
+            "'package.module:Class' or 'file.py:Class', or the name of one that a package "
+            "has registered."
         ),
     ),
     "bad name": (
