@@ -141,6 +141,9 @@ class Sensor:
             DeviceError: it does not answer, is another one, or is loaded while it is to be tared.
             InputError: the address cannot be used.
         """
+        if self.fault is not None:  # of the last opening; its siblings may go on
+            self.fault = None
+            self._alarm.withdraw(self.name)
         try:
             self.driver.open()
             self._check_serial()

@@ -166,6 +166,7 @@ class Wire:
         tty.setraw(self._slave)
         self.url = f"force_sensor://{os.ttyname(self._slave)}"
         self.counts, self.serial, self.heard = counts, serial, b""
+        self.is_silent = False
         self._channels = len(counts) if channels is None else channels
         self._time = 0
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -185,6 +186,8 @@ class Wire:
 
     def _answer(self, question):
         self._time += 977
+        if self.is_silent:
+            return
         sequence = question[2:4]
         body = struct.pack("<BB", 0x83, self._channels) + sequence
         body += struct.pack("<HI", 1, self.serial)
@@ -258,6 +261,23 @@ def test_counts_become_newtons_and_what_nothing_measures_is_no_number(wired):
     assert force[2] == pytest.approx(5.0, rel=1e-5)
     assert isnan(force[0])
     assert isnan(force[1])
+
+
+def test_what_was_in_fault_is_opened_again_and_its_siblings_may_push(wired):
+    board, alarm = wired((1000,)), Alarm()
+    sensor = Sensor(ForceSensorDriver, parse(board.url), file_of(**LOAD_CELL), alarm=alarm)
+    for _ in range(2):
+        with sensor:
+            sensor.configure()
+            assert (sensor.fault, alarm.raised_by) == (None, None)
+            assert settled(sensor).force[2] == pytest.approx(0.0)
+            board.is_silent = True
+            for _ in range(40):
+                sensor.ask()
+                sensor.read()
+            assert sensor.fault is not None
+            assert alarm.raised_by == sensor.name
+        board.is_silent = False
 
 
 def test_only_questions_are_ever_sent(wired):
