@@ -171,8 +171,10 @@ class ReferenceLoop:
                     self._give(model, variable)
 
     def _readable(self, model: _Model) -> list[str]:
+        """Outputs that are numbers; texts are not this loop's."""
         variables = model.participant.interface.variables.values()
-        return [v.name for v in variables if v.causality is Causality.OUTPUT and has_cells(v)]
+        shown = (v for v in variables if v.causality is Causality.OUTPUT and not v.type.is_text)
+        return [v.name for v in shown if has_cells(v)]
 
     def _output(self, model: _Model, name: str) -> list[Number]:
         due = self.tick % model.participant.period == 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,9 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.terminal.complete import scenario_names
 from cosim.cli.support.terminal.width import shown_width
 from cosim.cli.support.values import OutputFolder
+
+WIDTH = 98
+"""Columns where there is no terminal."""
 
 
 @click.command("scenarios", cls=JsonCommand)
@@ -52,7 +54,7 @@ def command(*, names: tuple[str, ...], pictures: Path | None, as_json: bool) -> 
     from cosim.report.quantities import fitted
 
     width = shown_width()
-    width = shutil.get_terminal_size((98, 24)).columns if width is None else width
+    width = WIDTH if width is None else width
     for each in chosen:
         lines = [each.name, f"  {each.title}"]
         if names:

@@ -86,17 +86,12 @@ def refuse_without_devices(
     Raises:
         InputError: one was given where no device runs, or nothing that it could act on.
     """
-    from hil.setup.address import parse
-    from hil.setup.registry import find
-
-    has_devices = any(
-        part.kind == "device"
-        and station in (None, part.station)
-        and not find(parse(part.source).driver).measures_only
-        for part in scenario.components.values()
-    )
     given = {"--enable-output": enable_output, "--yes": yes, "--dead-man": dead_man}
-    if (named := given_of(given)) and not has_devices:
+    named = given_of(given)
+    if named and not any(
+        part.kind == "device" and station in (None, part.station) and _pushes(part.source)
+        for part in scenario.components.values()
+    ):
         where = f"the station {station}" if station is not None else scenario.name
         raise InputError(
             f"{' and '.join(named)}: {where} has no device that pushes; lay one over it "
@@ -104,6 +99,17 @@ def refuse_without_devices(
         )
     if not enable_output:
         refuse_without("--enable-output", given, "no force comes out that it could allow")
+
+
+def _pushes(url: str) -> bool:
+    """Whether there is an output behind a URL; one that is wrong is refused at its own place."""
+    from hil.setup.address import parse
+    from hil.setup.registry import find
+
+    try:
+        return not find(parse(url).driver).measures_only
+    except InputError:
+        return True
 
 
 def open_device(url: str, file: Path | None) -> Device:

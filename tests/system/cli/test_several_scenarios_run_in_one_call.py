@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import json
+import os
+import pty
 import re
+import struct
+import subprocess
+import termios
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -13,7 +20,7 @@ from hypothesis import strategies as st
 
 from cosim.base.errors import RunError
 from cosim.cli.support.run.junit import RunEnd, junit
-from tests.support.command import cohaptic
+from tests.support.command import COHAPTIC, cohaptic
 
 SHORT = ("--duration", "0.05", "--no-figure")
 TWO = ("single_user", "single_axis_distributed")
@@ -95,18 +102,40 @@ def test_check_reads_several_and_says_all_that_is_wrong(tmp_path: Path) -> None:
     assert "thesis/elsewhere" in bad.stderr
 
 
+def at_a_terminal(columns: int, arguments: list[str], folder: Path) -> str:
+    """What is shown on a terminal of so many columns; what goes beside it is left out."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 60, columns, 0, 0))
+    process = subprocess.Popen(
+        [*COHAPTIC, *arguments],
+        cwd=folder,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=subprocess.DEVNULL,
+        env={key: value for key, value in os.environ.items() if key not in {"COLUMNS", "LINES"}},
+    )
+    os.close(theirs)
+    shown = b""
+    with contextlib.suppress(OSError):  # the terminal's other end is closed
+        while piece := os.read(ours, 4096):
+            shown += piece
+    os.close(ours)
+    assert process.wait(60) in {0, 1}
+    return shown.decode()
+
+
 @pytest.mark.parametrize("arguments", [("check",), ("run", *SHORT)])
 @pytest.mark.parametrize("scenario", ["two_users_box", "thesis/three_users"])
 def test_a_terminal_of_40_columns_is_enough(
     scenario: str, arguments: tuple[str, ...], tmp_path: Path
 ) -> None:
-    done = cohaptic(*arguments, scenario, folder=tmp_path, COLUMNS="40")
-    widest = max(done.stdout.splitlines(), key=len)
+    shown = at_a_terminal(40, [*arguments, scenario], tmp_path)
+    widest = max(shown.splitlines(), key=len)
     assert len(widest) <= 40, widest
     whole = cohaptic(*arguments, scenario, folder=tmp_path).stdout
     numbers = set(re.findall(r"\S+_\S+", whole)) - {"_"}
     assert numbers
-    assert not [name for name in numbers if name not in done.stdout and "runs/" not in name]
+    assert not [name for name in numbers if name not in shown and "runs/" not in name]
 
 
 ANY = st.text(max_size=20)

@@ -130,7 +130,7 @@ def test_clocked_outputs_are_skipped_by_name(tmp_path: Path) -> None:
     sink = MemorySink()
     with assemble(scenario) as simulation:
         (note,) = simulation.notes
-        assert "it: held of the FMU foreign.fmu belong to clocks" in note
+        assert "it: ticking, held of the FMU foreign.fmu belong to clocks" in note
         simulation.run(sink)
     names = [column.name for group in sink.groups for column in group.columns]
     assert names == ["it.y"]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 
 
 def shown_width() -> int | None:
-    """Columns of the terminal (or of COLUMNS); ``None`` where the text goes into a file or pipe."""
-    if not (sys.stdout.isatty() or os.environ.get("COLUMNS", "").isdecimal()):
+    """Columns of the terminal; ``None`` where the text goes into a file or a pipe."""
+    if not sys.stdout.isatty():
         return None
-    return shutil.get_terminal_size().columns
+    # Not of shutil, which asks the descriptor that Python began with: FMUs may print there.
+    return os.get_terminal_size(sys.stdout.fileno()).columns or None
