@@ -35,7 +35,9 @@ PLACES = {
 }
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_every_way_gives_the_same(scenario: Path, data: st.DataObject) -> None:
     chosen = data.draw(st.lists(st.sampled_from(sorted(PLACES)), min_size=1, unique=True))
