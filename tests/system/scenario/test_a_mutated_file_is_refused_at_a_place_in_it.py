@@ -77,15 +77,22 @@ def many(folder: Path, seeds: tuple[str, ...], read: Callable[[Path], Any], coun
     assert 0 < accepted < count
 
 
+COUNTS = [
+    600,
+    pytest.param(3_000, marks=pytest.mark.slow),
+    pytest.param(10_000, marks=pytest.mark.exhaustive),
+]
+
+
 def scenario(file: Path) -> Any:
     return load_scenario(file, forms=FORMS)
 
 
-@pytest.mark.parametrize("count", [600, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", COUNTS)
 def test_scenarios(tmp_path: Path, count: int) -> None:
     many(tmp_path, SCENARIOS, scenario, count)
 
 
-@pytest.mark.parametrize("count", [600, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", COUNTS)
 def test_device_files(tmp_path: Path, count: int) -> None:
     many(tmp_path, DEVICES, load_device_file, count)
