@@ -90,19 +90,9 @@ def run_command(
     else:
         who = PersonAtTerminal()
     options = RunOptions(
-        overlays=(),
-        sets=(),
-        duration=None,
-        stop_time=None,
-        step_size=None,
-        snapshots=(),
-        origin=None,
         figure=False,
         report=False,
         realtime=paced,
-        live=False,
-        live_at=None,
-        on_miss=None,
         cpu=cpu,
         enable_output=enable_output,
         yes=yes,

@@ -211,18 +211,9 @@ def _progress(name: str) -> Generator[Follow | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
+    from cosim.cli.support.terminal.bar import progress_bar
 
-    bar = Progress(
-        TextColumn(name),
-        BarColumn(),
-        TextColumn("{task.fields[note]}"),
-        console=Console(stderr=True),
-        transient=True,
-        auto_refresh=False,
-    )
-    with bar:
+    with progress_bar(name) as bar:
         task = bar.add_task("", total=None, note="")
         shown = 0.0
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from cosim.master.run.simulation import Simulation
     from hil.device.component import DeviceComponent
     from hil.sensing.component import SensorComponent
+    from hil.sensing.sensor_file import SensorFile
+    from hil.setup.device_file import DeviceFile
     from hil.wire.bus_plan import Placed
 
 Devices = dict[str, tuple["DeviceComponent", Fraction]]
@@ -163,14 +165,16 @@ def _facts_of_file(component: Placed) -> dict[str, Any]:
 
 def _sensor_file(component: SensorComponent) -> dict[str, Any]:
     """What a sensor's file says; nothing of it is a limit."""
-    file = component.file
+    return {**_origin(component.file), "watchdog_proof": None, "limits": {}}
+
+
+def _origin(file: DeviceFile | SensorFile) -> dict[str, Any]:
+    """Which file it is, and of what."""
     return {
         "path": None if file.path is None else str(file.path),
         "preset": file.preset,
         "serial": file.serial,
         "date": file.date,
-        "watchdog_proof": None,
-        "limits": {},
     }
 
 
@@ -180,10 +184,7 @@ def _file(component: DeviceComponent) -> dict[str, Any]:
 
     file = component.file
     return {
-        "path": None if file.path is None else str(file.path),
-        "preset": file.preset,
-        "serial": file.serial,
-        "date": file.date,
+        **_origin(file),
         "estop_confirmed": file.estop_confirmed,
         "watchdog_proof": None if file.watchdog_proof is None else asdict(file.watchdog_proof),
         "limits": {

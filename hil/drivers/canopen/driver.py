@@ -14,7 +14,6 @@ from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.device.errors import BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.master import SYNC_FRAME, CanopenMaster
-from hil.drivers.canopen.remote import CanopenTiming
 from hil.drivers.canopen.set_up import set_up
 from hil.drivers.canopen.settings import (
     WATCHDOG_MS,
@@ -30,7 +29,6 @@ from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.wire.can_bus import CanBus
-from hil.wire.serial_port import PATIENCE
 
 PRESET_TOLERANCE = 0.1
 """How far the handle may have moved while its position was preset (rad)."""
@@ -77,12 +75,7 @@ class CanopenDriver(CanopenMaster):
         self._proved = self._running = self._armed = False
         self._begin()
         bus = self._joined()
-        timing = CanopenTiming(
-            heartbeat_ms=self._heartbeat_ms,
-            watchdog_ms=self._watchdog_ms,
-            producer=self.heartbeat,
-            timeout=PATIENCE if self.lockstep else given.timeout,
-        )
+        timing = self._timing(given.timeout)
         first, second = self.file.joints
         found = set_up(
             bus,

@@ -17,9 +17,11 @@ from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused, DeviceError
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
+from hil.drivers.canopen.remote import CanopenTiming
 from hil.drivers.canopen.supervision import Events, Supervision, told_under
 from hil.wire.can_bus import CanBus, open_bus
 from hil.wire.ownership import OwnedNodes
+from hil.wire.serial_port import PATIENCE
 
 SYNC_FRAME = (0,)
 """Data bytes of what is sent once for all devices on a bus."""
@@ -66,6 +68,15 @@ class CanopenMaster(Driver):
         self._heartbeat_ms, self._watchdog_ms = heartbeat_ms, watchdog_ms
         self._beat_ticks = max(1, int(heartbeat_ms * 1e-3 / self.tick))
         self._silent_ticks = ceil(MISSED_HEARTBEATS * heartbeat_ms * 1e-3 / self.tick)
+
+    def _timing(self, timeout: float) -> CanopenTiming:
+        """What nodes are set up to; ``timeout`` (s) is for an answer that no emulator owes."""
+        return CanopenTiming(
+            heartbeat_ms=self._heartbeat_ms,
+            watchdog_ms=self._watchdog_ms,
+            producer=self.heartbeat,
+            timeout=PATIENCE if self.lockstep else timeout,
+        )
 
     @abstractmethod
     def _forget_answers(self) -> None:

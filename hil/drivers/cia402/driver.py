@@ -16,7 +16,6 @@ from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLo
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.master import SYNC_FRAME, CanopenMaster
 from hil.drivers.canopen.protocol import Index, Object
-from hil.drivers.canopen.remote import CanopenTiming
 from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS
 from hil.drivers.canopen.supervision import Events
 from hil.drivers.cia402 import protocol as cia
@@ -29,7 +28,6 @@ from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import read_options
-from hil.wire.serial_port import PATIENCE
 
 COARSEST = 0.1
 """Largest step of torque as a share of the limit: a larger one is felt."""
@@ -83,12 +81,7 @@ class Cia402Driver(CanopenMaster):
         self._proved = self._running = self._armed = False
         self._begin()
         bus = self._joined()
-        timing = CanopenTiming(
-            heartbeat_ms=self._heartbeat_ms,
-            watchdog_ms=self._watchdog_ms,
-            producer=self.heartbeat,
-            timeout=PATIENCE if self.lockstep else given.timeout,
-        )
+        timing = self._timing(given.timeout)
         first, second = self.file.joints
         found = set_up_drives(
             bus,

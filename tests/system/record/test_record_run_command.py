@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -16,16 +15,10 @@ from cosim.base.errors import InputError
 from cosim.cli.run import command
 from cosim.record import digest, open_run
 from cosim.scenario import load
+from tests.support.command import COHAPTIC, cohaptic
 from tests.support.record.synthetic_run import small_disk
 
 SCENARIO = Path(__file__).parents[2] / "support" / "record" / "single_axis.yaml"
-COHAPTIC = [sys.executable, "-c", "from cosim.cli import main; main()"]
-
-
-def cohaptic(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COHAPTIC, *arguments], cwd=folder, capture_output=True, text=True, check=False
-    )
 
 
 def test_a_run_leaves_its_record_its_manifest_and_the_scenario_that_ran(tmp_path: Path) -> None:

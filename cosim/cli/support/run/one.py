@@ -28,23 +28,23 @@ if TYPE_CHECKING:
 class RunOptions:
     """The options of ``cohaptic run`` that say how a scenario is read and run."""
 
-    overlays: tuple[str, ...]
-    sets: tuple[str, ...]
-    duration: str | None
-    stop_time: str | None
-    step_size: str | None
-    snapshots: tuple[str, ...]
-    origin: str | None
-    figure: bool
-    report: bool | None
-    realtime: bool
-    live: bool
-    live_at: str | None
-    on_miss: Policy | None
-    cpu: int | None
-    enable_output: bool
-    yes: bool
-    dead_man: str | None
+    overlays: tuple[str, ...] = ()
+    sets: tuple[str, ...] = ()
+    duration: str | None = None
+    stop_time: str | None = None
+    step_size: str | None = None
+    snapshots: tuple[str, ...] = ()
+    origin: str | None = None
+    figure: bool = True
+    report: bool | None = None
+    realtime: bool = False
+    live: bool = False
+    live_at: str | None = None
+    on_miss: Policy | None = None
+    cpu: int | None = None
+    enable_output: bool = False
+    yes: bool = False
+    dead_man: str | None = None
 
 
 def read_one(written: str | None, options: RunOptions, say: Callable[[str], None]) -> Scenario:
@@ -187,20 +187,11 @@ def _progress(scenario: Scenario) -> Generator[Progress | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
+    from cosim.cli.support.terminal.bar import progress_bar
 
     rate = float(scenario.base_rate)
     end = scenario.ticks / rate
-    bar = Progress(
-        TextColumn(scenario.name),
-        BarColumn(),
-        TextColumn("{task.fields[note]}"),
-        console=Console(stderr=True),
-        transient=True,
-        auto_refresh=False,
-    )
-    with bar:
+    with progress_bar(scenario.name) as bar:
         task = bar.add_task("", total=scenario.ticks, note="")
 
         def show(ticks: int, wall_time: float) -> None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import click
 import numpy as np
 
-from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.options import Loop, describe, emit, loop_options, read_range
 from cosim.theory.robust.hands import Interval, robustness, uncertain_hands
 
 
@@ -40,7 +39,11 @@ def command(
     a grid of frequencies.
     """
     texts = {"mass": hand_mass, "stiffness": hand_stiffness, "damping": hand_damping}
-    intervals = {name: _interval(name, text) for name, text in texts.items() if text is not None}
+    intervals: dict[str, Interval] = {
+        name: read_range(text, f"--hand-{name}", "0.07:0.13")
+        for name, text in texts.items()
+        if text is not None
+    }
     uncertain = uncertain_hands(loop.model, loop.timing, intervals)
     grid = np.geomspace(1.0, np.pi / float(loop.timing.network_period), frequencies)
     found = robustness(uncertain, grid)
@@ -68,13 +71,3 @@ def command(
         f"worst corner: ρ = {found.worst:.6g} with {corner}"
     )
     emit(result, text, as_json=as_json, notes=loop.notes)
-
-
-def _interval(name: str, text: str) -> Interval:
-    low, separator, high = text.partition(":")
-    try:
-        if separator:
-            return float(low), float(high)
-    except ValueError:
-        pass
-    raise InputError(f"--hand-{name} {text}: write LOW:HIGH, such as 0.07:0.13.")

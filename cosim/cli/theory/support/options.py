@@ -282,8 +282,8 @@ def read_fraction(option: str, text: str) -> Fraction:
     return value
 
 
-def read_range(text: str) -> tuple[float, float]:
-    """Read ``LOW:HIGH``.
+def read_range(text: str, option: str = "--range", example: str = "1:50000") -> tuple[float, float]:
+    """Read an option's ``LOW:HIGH``.
 
     Raises:
         InputError: where it has another form.
@@ -294,7 +294,7 @@ def read_range(text: str) -> tuple[float, float]:
             return float(low), float(high)
     except ValueError:
         pass
-    raise InputError(f"--range {text}: write LOW:HIGH, such as 1:50000.")
+    raise InputError(f"{option} {text}: write LOW:HIGH, such as {example}.")
 
 
 def read_delay(
