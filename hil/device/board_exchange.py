@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hil.device.contract import ZERO, Received
 from hil.device.driver import Driver
-from hil.device.errors import DeviceError
+from hil.device.errors import DeviceError, HalfSent
 from hil.device.punctuality import Punctuality
 from hil.device.sample_clock import SampleClock
 from hil.safety.linkage import Pair
@@ -40,7 +40,12 @@ class BoardExchange:
         pulse = self.driver.pulse
         if pulse is not None and torque != ZERO:
             pulse.heat(self.driver.number)
-        sent = self.driver.send(torque)
+        try:
+            sent = self.driver.send(torque)
+        except HalfSent as error:
+            first, second = (error.torque.get(joint, self.sent[joint]) for joint in (0, 1))
+            self.sent, self.zeroing = (first, second), False
+            raise
         self.punctuality.count(sent=sent is not None)
         if sent is not None:
             self.sent, self.zeroing = sent, False

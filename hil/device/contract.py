@@ -83,6 +83,9 @@ class Received:
     watchdog_fired: bool = False
     enabled: bool | None = None
     """Whether the output stage is on; ``None`` where nothing came that tells."""
+    contradiction: str | None = None
+    """What the board says of its output that is not what it was told, as a sentence; empty where
+    both agree, ``None`` where nothing came that tells."""
     input_held: bool | None = None
     """Whether the switch on the board is closed; ``None`` where nothing came that tells."""
     device_time: float | None = None

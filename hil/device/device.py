@@ -186,6 +186,7 @@ class Device(DeviceFacts):
                 "measure one with 'cohaptic device calibrate'"
             )
         self._life.homed = False
+        self._judge.commanded_anew()  # its watchdog may just have been proved
         if home is not None:
             self.driver.set_home(home)
             self._guarded.wait_for_sample()
@@ -209,7 +210,7 @@ class Device(DeviceFacts):
         if self.permission is not None:
             check_safeguards(self)
         self.safety.start()
-        self._judge.start()
+        self._judge.commanded_anew()
         self._around.start()
         self.driver.enter()
         self._life.state = State.ACTIVE
@@ -218,6 +219,7 @@ class Device(DeviceFacts):
         """Zero, and out of closed loop."""
         self._life.expect("deactivate", State.ACTIVE)
         self._life.state = State.INACTIVE
+        self._judge.commanded_anew()
         self._guarded.send_zero()
         self.driver.leave()
 
@@ -240,6 +242,7 @@ class Device(DeviceFacts):
         if self.state is State.UNCONFIGURED:
             return
         was_fault = self.state is State.FAULT
+        self._judge.commanded_anew()
         if not was_fault:
             self._life.state = State.INACTIVE
         self._guarded.zero_until_confirmed()

@@ -64,6 +64,14 @@ class DeviceGone(DeviceError):
     """The port failed: unplugged, closed, or the other end no longer takes bytes."""
 
 
+class HalfSent(DeviceGone):
+    """The bus took some joints' torques and then no more; ``torque`` (N.m) has those by joint."""
+
+    def __init__(self, said: str, torque: dict[int, float]) -> None:
+        super().__init__(said)
+        self.torque = torque
+
+
 class NodeLost(DeviceGone):
     """A node on a bus fell silent, started anew, or left the state that it was put into."""
 

@@ -34,7 +34,7 @@ def odrive_frames(data: bytes) -> None:
         assert 0 <= error < 2**32
         assert 0 <= state < 256
     except ProtocolError:
-        assert len(data) < 5
+        assert len(data) != 8
     try:
         values = odrive.estimates(data)
     except ProtocolError:

@@ -55,6 +55,7 @@ class Wire:
         for answer in answers:
             assert isinstance(answer, bytes)
             self._inbox += self.to_host(answer)
+        self.board.tick()
 
     def read(self, most: int = 4096) -> bytes:
         data, self._inbox = self._inbox[:most], self._inbox[most:]

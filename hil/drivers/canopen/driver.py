@@ -8,6 +8,8 @@ that starts anew, changes state or falls silent un-homes the device; an emergenc
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import ClassVar
 
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
@@ -23,7 +25,8 @@ from hil.drivers.canopen.settings import (
     settings,
 )
 from hil.drivers.canopen.supervision import Events
-from hil.drivers.canopen.zero_check import ZeroCheck
+from hil.drivers.canopen.zero_check import ZeroCheck, ZeroPoint
+from hil.drivers.halves import send_each
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
@@ -94,7 +97,12 @@ class CanopenDriver(CanopenMaster):
     def _begin(self) -> None:
         """What is known of the nodes at the start: nothing."""
         super()._begin()
-        self._zero_check = ZeroCheck(self._layout.outputs, self._zero_codes)
+        self._zero_check = ZeroCheck(
+            [
+                ZeroPoint(node=each.node, shown=each.value, zero=zero, written=each.value)
+                for each, zero in zip(self._layout.outputs, self._zero_codes, strict=True)
+            ]
+        )
         self._sequence = 0
         self._forget_positions()
         self._cold = False
@@ -108,7 +116,7 @@ class CanopenDriver(CanopenMaster):
     def receive(self) -> Received:
         bus = self._opened()
         bus.collect(self)
-        confirmed = self._take_answers(bus)
+        confirmed, astray = self._take_answers(bus)
         events = self._nodes.take(bus)
         fired = self._has_expired(events)
         raw, sample = self._positions(bus), None
@@ -122,6 +130,7 @@ class CanopenDriver(CanopenMaster):
             sample=sample,
             zero_confirmed=confirmed,
             watchdog_fired=fired,
+            contradiction=astray,
             error=self._wrong(events) if self._running else None,
         )
 
@@ -159,20 +168,24 @@ class CanopenDriver(CanopenMaster):
 
     def send(self, torque: Pair) -> Pair:
         codes = self._drives[0].encode(torque[0]), self._drives[1].encode(torque[1])
+        sent = self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
         self._zero_check.forget()
         self._cold = False
-        self._put(codes)
+        self._put(codes, sent)
         self._beat_if_due()
-        return self._drives[0].decode(codes[0]), self._drives[1].decode(codes[1])
+        return sent
 
     def feed(self) -> None:
         self.send(ZERO)
         self._beat()
 
-    def _put(self, codes: tuple[int, int]) -> None:
+    def _put(self, codes: tuple[int, int], torque: Pair = ZERO) -> None:
+        frames: list[tuple[tuple[int, ...], Callable[[], object]]] = []
         for node in self._layout.driving:
-            values = [codes[joint] for joint in self._layout.joints_driven(node)]
-            self._opened().send(wire.outputs_id(node), wire.outputs(values))
+            joints = self._layout.joints_driven(node)
+            data = wire.outputs([codes[joint] for joint in joints])
+            frames.append((joints, partial(self._opened().send, wire.outputs_id(node), data)))
+        send_each(torque, frames)
 
     def send_zero(self) -> bool:
         """Zero without a heartbeat, so that the nodes' own zero follows; then ask for it back."""
@@ -183,13 +196,15 @@ class CanopenDriver(CanopenMaster):
             self._opened().send(wire.sdo_request_id(node), request)
         return True
 
-    def _take_answers(self, bus: CanBus) -> bool:
-        """Whether an answer completes a round in which every output was at zero."""
-        confirmed = False
+    def _take_answers(self, bus: CanBus) -> tuple[bool, str | None]:
+        """Whether every output was seen at zero by now; what an answer says of one that is not."""
+        confirmed, astray = False, None
         for node, answer in self._sdo_answers(bus):
             confirmed |= self._zero_check.take(node, answer)
+            if self._zero_check.astray is not None:
+                astray = self._zero_check.astray
         self._cold |= confirmed
-        return confirmed
+        return confirmed, astray
 
     # --- life cycle ------------------------------------------------------------------------------
 

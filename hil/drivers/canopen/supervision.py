@@ -54,7 +54,8 @@ class Supervision:
             self._hear(node, bus.taken(wire.heartbeat_id(node)), events)
             for data in bus.taken(wire.emergency_id(node)):
                 report = wire.emergency(data)
-                if report.code:
+                # One that takes errors back, and whose register shows one still, does not.
+                if report.code or report.register:
                     events.reports.setdefault(node, report)
         return events
 

@@ -7,6 +7,8 @@ heartbeat and, by a timer, our commands themselves; either takes their torque of
 
 from __future__ import annotations
 
+from collections import deque
+from functools import partial
 from math import ceil
 from typing import ClassVar
 
@@ -18,10 +20,12 @@ from hil.drivers.canopen.master import SYNC_FRAME, CanopenMaster
 from hil.drivers.canopen.protocol import Index, Object
 from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS
 from hil.drivers.canopen.supervision import Events
+from hil.drivers.canopen.zero_check import ZeroCheck, ZeroPoint
 from hil.drivers.cia402 import protocol as cia
 from hil.drivers.cia402.protocol import Controlword, DriveState
 from hil.drivers.cia402.set_up import rpdo_timer, set_up_drives
 from hil.drivers.cia402.settings import Cia402Options, Cia402Settings
+from hil.drivers.halves import send_each
 from hil.drivers.samples import sample_of_counts
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
@@ -37,6 +41,10 @@ ENABLING = (
     (Controlword.SWITCH_ON, DriveState.SWITCHED_ON),
     (Controlword.ENABLE, DriveState.ENABLED),
 )
+RECENT = 8
+"""Commands of which a drive's torque demand may be one: it takes a tick or more to show it."""
+SLACK = 5
+"""Thousandths of the rated torque by which a demand may differ besides: drives round, too."""
 BROKEN = {DriveState.FAULT, DriveState.FAULT_REACTION, DriveState.QUICK_STOP}
 
 
@@ -115,6 +123,20 @@ class Cia402Driver(CanopenMaster):
         self._states: dict[int, DriveState] = {}
         self._sequence = 0
         self._last, self._units = [0, 0], [0, 0]
+        self._recent = tuple(deque[int]((0,), maxlen=RECENT) for _ in (0, 1))
+        """Torques (thousandths) that each drive was last given."""
+        self._zero_check = ZeroCheck(
+            [
+                ZeroPoint(
+                    node=node,
+                    shown=Object(cia.DEMAND, 0, 2),
+                    written=Object(cia.CONTROL, 0, 2),
+                )
+                for node in self._numbers
+            ]
+        )
+        self._told = False
+        """Whether the last tick brought process data of all drives."""
         self._zero_sent = False
         """Whether nothing but zero was sent since the last torque."""
         self._control = Controlword.VOLTAGE_OFF
@@ -129,14 +151,19 @@ class Cia402Driver(CanopenMaster):
     def receive(self) -> Received:
         bus = self._opened()
         bus.collect(self)
-        self._sdo_answers(bus)
+        answered = [self._zero_check.take(*each) for each in self._sdo_answers(bus)]
         events = self._nodes.take(bus)
         fired = self._has_expired(events)
         found = [bus.answer(wire.positions_id(node)) for node in self._numbers]
         answers = [cia.answer(data) for data in found if data is not None]
-        if len(answers) < len(self._numbers):
-            wrong = self._wrong(events) if self._running else None
-            return Received(watchdog_fired=fired, error=wrong)
+        self._told = len(answers) == len(self._numbers)
+        if not self._told:
+            return Received(
+                zero_confirmed=self._zero_sent and any(answered),
+                watchdog_fired=fired,
+                contradiction=self._zero_check.astray if answered else None,
+                error=self._wrong(events) if self._running else None,
+            )
         self._states = {n: state for n, (state, _, _) in zip(self._numbers, answers, strict=True)}
         for joint, (_, position, _) in enumerate(answers):
             self._units[joint] += wire.step(self._last[joint], position, 1 << 32)
@@ -148,11 +175,22 @@ class Cia402Driver(CanopenMaster):
             zero_confirmed=self._zero_sent and all(demand == 0 for _, _, demand in answers),
             watchdog_fired=fired,
             enabled=all(state is DriveState.ENABLED for state in self._states.values()),
+            contradiction=self._astray([demand for _, _, demand in answers]),
             error=self._wrong(events) if self._running else None,
         )
 
     def silence(self) -> str | None:
         return self._opened().complaint
+
+    def _astray(self, demands: list[int]) -> str:
+        """A torque demand that is none of the torques which a drive was last told to give."""
+        for node, demand, recent in zip(self._numbers, demands, self._recent, strict=True):
+            if not min(recent) - SLACK <= demand <= max(recent) + SLACK:
+                return (
+                    f"CiA 402 drive {node} demands {demand} thousandths of its rated torque "
+                    f"(6074h) and was told {recent[-1]}"
+                )
+        return ""
 
     def _wrong(self, events: Events) -> DeviceError | None:
         """A node that is lost un-homes the device; an emergency, or a fault, says what is wrong."""
@@ -169,19 +207,28 @@ class Cia402Driver(CanopenMaster):
 
     def send(self, torque: Pair) -> Pair:
         codes = self._code(0, torque[0]), self._code(1, torque[1])
+        sent = self._torque(0, codes[0]), self._torque(1, codes[1])
         self._zero_sent = codes == (0, 0) and self._zero_sent
-        self._put(Controlword.ENABLE, codes)
+        self._zero_check.forget()
+        self._put(Controlword.ENABLE, codes, sent)
         self._beat_if_due()
-        return self._torque(0, codes[0]), self._torque(1, codes[1])
+        return sent
 
     def feed(self) -> None:
         self.send(ZERO)
         self._beat()
 
     def send_zero(self) -> bool:
-        """Zero and the voltage off, without a heartbeat; the drives' demand confirms it."""
+        """Zero and the voltage off, without a heartbeat; the drives' demand confirms it.
+
+        A drive that sends no process data any more is asked by SDO, and told so if need be.
+        """
         self._put(Controlword.VOLTAGE_OFF, (0, 0))
         self._zero_sent = True
+        question = None if self._told else self._zero_check.question(urgent=True)
+        if question is not None:
+            node, request = question
+            self._opened().send(wire.sdo_request_id(node), request)
         return True
 
     def _code(self, joint: int, torque: float) -> int:
@@ -192,9 +239,17 @@ class Cia402Driver(CanopenMaster):
     def _torque(self, joint: int, code: int) -> float:
         return self._drives[joint].decode(code * 1e-3 * self._rated[joint])
 
-    def _put(self, control: Controlword, codes: tuple[int, int]) -> None:
-        for node, code in zip(self._numbers, codes, strict=True):
-            self._opened().send(wire.outputs_id(node), cia.command(control, code))
+    def _put(self, control: Controlword, codes: tuple[int, int], torque: Pair = ZERO) -> None:
+        for code, recent in zip(codes, self._recent, strict=True):
+            recent.append(code)
+        send, pairs = self._opened().send, zip(self._numbers, codes, strict=True)
+        send_each(
+            torque,
+            (
+                ((joint,), partial(send, wire.outputs_id(node), cia.command(control, code)))
+                for joint, (node, code) in enumerate(pairs)
+            ),
+        )
 
     # --- life cycle ------------------------------------------------------------------------------
 
@@ -262,7 +317,7 @@ class Cia402Driver(CanopenMaster):
             self._beat_if_due()
 
     def _forget_answers(self) -> None:
-        """What confirms zero comes in process data."""
+        self._zero_check.forget()
 
 
 def _nodes(address: DeviceAddress, file: DeviceFile) -> tuple[int, ...]:

@@ -23,6 +23,8 @@ WATCHDOG_MS = 20
 ANSWER_TRIES = 50
 LONGEST_LAG = 2
 """Answers to a command that is older (ticks) are no new sample."""
+NOTICEABLE = 0.05
+"""A torque of so large a share of the limit cannot be zero at the output stage, however coarse."""
 
 
 class CobsDriver(Driver):
@@ -50,12 +52,22 @@ class CobsDriver(Driver):
     def open(self) -> None:
         self._port = SerialPort(self.address, self.pulse, self.number)
         self._splitter, self._sequence, self._flags = Splitter(), 0, CommandFlag.CLEAR
-        self._seen, self._hot, self._entered = 0, 0, False
+        self._seen, self._hot = 0, 0
+        self._answered = 0
+        """The newest command that was answered."""
+        self._pushes: dict[int, bool] = {}
+        """By command, of those that a new sample can answer: whether it asked for a torque that no
+        output stage would round to zero; ``False`` for zero itself."""
         self._clock = WrappingClock()
+        gear = max(_drive(joint.drive).gear for joint in self.file.joints)
+        self._noticeable = NOTICEABLE * self.file.limits.torque / gear
         for _ in range(ANSWER_TRIES):
             self.send_zero()
             self.pause()
-            if self.receive().sample is not None:
+            told = self.receive()
+            if told.error is not None:
+                raise told.error
+            if told.sample is not None:
                 return
         raise DeviceError(f"no board answers at {self.address.place}")
 
@@ -68,15 +80,16 @@ class CobsDriver(Driver):
         if newest is None:
             return NOTHING
         status = newest.status
-        sample = None
-        if (self._sequence - newest.sequence) & 0xFFFF <= LONGEST_LAG:
-            # Older, or to nobody's question, it is no new sample.
-            self._seen += 1
+        sample, asked = None, self._was_asked(newest)
+        if asked and self._is_newer(newest):
+            # Older, a second time, or to nobody's question, it is no new sample.
+            self._seen, self._answered = self._seen + 1, newest.sequence
             sample = sample_of_counts(self.file.joints, newest.count, self._seen)
-        wrong = self._entered and bool(status & ReplyFlag.FAULT)
+        wrong = bool(status & ReplyFlag.FAULT)
         return Received(
             sample=sample,
             zero_confirmed=bool(status & ReplyFlag.ZERO) and self._is_after_torque(newest),
+            contradiction=self._contradiction(newest) if asked else None,
             watchdog_fired=bool(status & ReplyFlag.WATCHDOG_FIRED),
             enabled=bool(status & ReplyFlag.ENABLED),
             input_held=bool(status & ReplyFlag.INPUT),
@@ -84,9 +97,29 @@ class CobsDriver(Driver):
             error=BoardError(f"the board reports {status!r}") if wrong else None,
         )
 
+    def _was_asked(self, newest: Reply) -> bool:
+        """Whether it answers one of the last commands."""
+        return (self._sequence - newest.sequence) & 0xFFFF <= LONGEST_LAG
+
+    def _is_newer(self, newest: Reply) -> bool:
+        """Whether that command was not answered before."""
+        return 0 < (newest.sequence - self._answered) & 0xFFFF < 0x8000
+
     def _is_after_torque(self, newest: Reply) -> bool:
         """Whether it answers something that was sent after the last torque that was not zero."""
-        return 0 < (newest.sequence - self._hot) & 0xFFFF < 0x8000
+        since = (self._sequence - self._hot) & 0xFFFF
+        return 0 < (newest.sequence - self._hot) & 0xFFFF <= since
+
+    def _contradiction(self, newest: Reply) -> str | None:
+        """Where it says of its output stage what its command did not ask for."""
+        pushes, is_zero = self._pushes.get(newest.sequence), bool(newest.status & ReplyFlag.ZERO)
+        if pushes is None or pushes is not is_zero:
+            return ""
+        return (
+            "the board says that it is at zero, though it was told to push"
+            if is_zero
+            else "the board says that it is not at zero, though it was told to be"
+        )
 
     def send(self, torque: Pair) -> Pair:
         drives = [_drive(joint.drive) for joint in self.file.joints]
@@ -98,16 +131,22 @@ class CobsDriver(Driver):
 
     def send_zero(self) -> bool:
         """Zero, and the output stage off; a zero byte first ends whatever was half sent."""
-        self._entered = False
         self._put(self._flags, ZERO)
         return True
 
     def _put(self, flags: CommandFlag, codes: Pair) -> None:
         self._sequence = (self._sequence + 1) & 0xFFFF
+        self._remember(codes)
         self._opened().write(command(flags, self._sequence, codes, WATCHDOG_MS))
 
+    def _remember(self, codes: Pair) -> None:
+        """What the command with this number asks of the output stage, until nobody answers it."""
+        self._pushes.pop((self._sequence - LONGEST_LAG - 1) & 0xFFFF, None)
+        largest = max(map(abs, codes))
+        if largest == 0.0 or largest > self._noticeable:
+            self._pushes[self._sequence] = largest > 0.0
+
     def enter(self) -> None:
-        self._entered = True
         self._put(CommandFlag.CLEAR | CommandFlag.ENABLE, ZERO)
 
     def take_over(self) -> None:

@@ -4,7 +4,7 @@ Frames and their checksum are those of ``hil.wire.cobs_frames``; all else is lit
 
 Command (16 bytes, 18 on the wire): kind 0x01, flags, sequence u16, torque f32 x 2 (N.m), watchdog
 u16 (ms), CRC. Reply (20 bytes, 22 on the wire): kind 0x81, status, sequence of the command it
-answers u16, device time u32 (us), counts i32 x 2, age of the torque u16 (ms), CRC.
+answers u16, device time u32 (us), counts i32 x 2, 0 u16, CRC.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import struct
 from dataclasses import dataclass
 from enum import IntFlag
 
+from hil.device.errors import ProtocolError
 from hil.safety.linkage import Pair
 from hil.wire.cobs_frames import frame
 
@@ -42,6 +43,9 @@ class ReplyFlag(IntFlag):
     """The switch on the board is closed: its dead-man input is held."""
 
 
+_KNOWN = sum(ReplyFlag)
+
+
 @dataclass(frozen=True, slots=True)
 class Reply:
     """What a board answers."""
@@ -58,8 +62,17 @@ def command(flags: CommandFlag, sequence: int, torque: Pair, watchdog_ms: int) -
 
 
 def reply(data: bytes) -> Reply | None:
-    """The reply in a payload, or ``None`` where it is something else."""
+    """The reply in a payload, or ``None`` where it is something else.
+
+    Raises:
+        ProtocolError: it says what no board of this protocol says.
+    """
     if len(data) != _REPLY.size or data[0] != REPLY:
         return None
-    _, status, sequence, microseconds, first, second, _ = _REPLY.unpack(data)
+    _, status, sequence, microseconds, first, second, spare = _REPLY.unpack(data)
+    if status & ~_KNOWN or spare:
+        raise ProtocolError(
+            f"a reply with status 0x{status:02x} and a spare field of {spare}: the board speaks "
+            "another version of the protocol; renew its firmware"
+        )
     return Reply(ReplyFlag(status), sequence, microseconds, (first, second))

@@ -53,6 +53,8 @@ class ForceSensorDriver(SensorDriver):
     def open(self) -> None:
         self._port = SerialPort(self.address, self.pulse, self.number)
         self._splitter, self._sequence, self._clock = Splitter(), 0, WrappingClock()
+        self._answered = 0
+        """The newest question that was answered."""
         self._identity = found = self._identify()
         if found.version != VERSION:
             raise ProtocolError(
@@ -74,7 +76,7 @@ class ForceSensorDriver(SensorDriver):
             self.pause()
             for body in self._bodies():
                 found = identity(body)
-                if found is not None:
+                if found is not None and self._answers(found.sequence):
                     return found
         raise DeviceError(f"no force sensor answers at {self.address.place}")
 
@@ -88,13 +90,21 @@ class ForceSensorDriver(SensorDriver):
             newest = answer(body) or newest
         if newest is None:
             return SILENT
-        in_time = (self._sequence - newest.sequence) & 0xFFFF <= LONGEST_LAG
+        # Older, a second time, or to nobody's question, it is no new sample.
+        in_time = self._answers(newest.sequence)
+        if in_time:
+            self._answered = newest.sequence
         return Heard(
             counts=newest.counts if in_time else None,
             clipped=newest.clipped,
             device_time=self._clock.seconds(newest.microseconds),
             error=self._wrong(newest),
         )
+
+    def _answers(self, sequence: int) -> bool:
+        """Whether an answer is to one of the last questions, and the first one to it."""
+        lag = (self._sequence - sequence) & 0xFFFF
+        return lag <= LONGEST_LAG and lag < (self._sequence - self._answered) & 0xFFFF
 
     def _wrong(self, newest: Answer) -> DeviceError | None:
         if newest.status & AnswerFlag.BROWN_OUT:
@@ -104,6 +114,12 @@ class ForceSensorDriver(SensorDriver):
         if len(newest.counts) != len(self.file.channels):
             return ProtocolError(
                 f"{len(newest.counts)} channels came of a sensor that has {len(self.file.channels)}"
+            )
+        absent = [index + 1 for index in newest.clipped if index >= len(newest.counts)]
+        if absent:
+            return ProtocolError(
+                f"the board says that channel {min(absent)} is at the end of its range, and it has "
+                f"{len(newest.counts)}"
             )
         return None
 

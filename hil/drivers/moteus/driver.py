@@ -134,21 +134,27 @@ class MoteusDriver(Driver):
         register = self._moteus.Register
         turns: list[float] = []
         wrong: BoardError | None = None
+        astray = ""
         for each in self._ids:
             values = found[each]
             turns.append(float(values[register.POSITION]))
             self._modes[each] = int(values[register.MODE])
+            fault = int(values.get(register.FAULT, 0))
             if self._entered and self._modes[each] != POSITION:
                 wrong = BoardError(
                     f"moteus {each} left position mode: it is in mode {self._modes[each]}, "
-                    f"fault {int(values.get(register.FAULT, 0))}"
+                    f"fault {fault}"
                 )
+            elif not self._entered and self._modes[each] != STOPPED:
+                mode = self._modes[each]
+                astray = f"moteus {each} was told to stop, and is in mode {mode}, fault {fault}"
         if not all(isfinite(turn) for turn in turns):
             raise ProtocolError("a moteus reports a position that is no number")
         self._sequence += 1
         return Received(
             sample=sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence),
             zero_confirmed=set(self._modes.values()) == {STOPPED},
+            contradiction=astray,
             error=wrong,
         )
 

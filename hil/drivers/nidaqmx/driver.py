@@ -9,13 +9,14 @@ documentation.
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Annotated, Any
 
 from pydantic import Field
 
 from cosim.base.errors import InputError
 from hil.device.contract import Received
-from hil.device.errors import DeviceGone
+from hil.device.errors import DeviceGone, ProtocolError
 from hil.drivers.card import CardDriver
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
@@ -116,9 +117,12 @@ class NidaqmxDriver(CardDriver):
 
     def receive(self) -> Received:
         try:
-            first, second = (round(task.read(timeout=READ_SECONDS)) for task in self._counters)
+            found = [float(task.read(timeout=READ_SECONDS)) for task in self._counters]
         except self._error as error:
             raise DeviceGone(f"the card does not answer: {error}") from error
+        if not all(isfinite(each) for each in found):
+            raise ProtocolError("a counter of the card reports something that is no number")
+        first, second = round(found[0]), round(found[1])
         self._sequence += 1
         sample = sample_of_counts(self.file.joints, (first, second), self._sequence)
         return Received(sample=sample, zero_confirmed=self._zero)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import ceil, pi
 from typing import Annotated, ClassVar, Literal
 
@@ -19,6 +20,7 @@ from cosim.base.errors import InputError
 from hil.device.contract import ZERO, BusUse, Received, Sample, Watchdog
 from hil.device.driver import Driver
 from hil.device.errors import BoardError, DeviceError
+from hil.drivers.halves import send_each
 from hil.drivers.odrive import protocol as wire
 from hil.drivers.odrive.protocol import OdriveCommand, identifier
 from hil.drivers.samples import sample_of_turns
@@ -173,26 +175,35 @@ class OdriveDriver(Driver):
         bus = self._opened()
         bus.collect(self)
         told = self._take_heartbeats(bus)
-        return replace(told, sample=self._sample(bus))
+        sample, fast = self._estimates(bus)
+        return replace(told, sample=sample, error=told.error or fast)
 
-    def _sample(self, bus: CanBus) -> Sample | None:
+    def _estimates(self, bus: CanBus) -> tuple[Sample | None, BoardError | None]:
+        """The newest positions; what is wrong where a speed cannot be that of a handle."""
         frames = [bus.latest(identifier(node, OdriveCommand.ESTIMATES)) for node in self._nodes]
         if any(
             frame is None or frame[0] == self._seen[node]
             for node, frame in zip(self._nodes, frames, strict=True)
         ):
-            return None
+            return None, None
         turns: list[float] = []
+        fast: BoardError | None = None
         for node, frame in zip(self._nodes, frames, strict=True):
             assert frame is not None
             self._seen[node] = frame[0]
-            turns.append(wire.estimates(frame[1])[0])
+            turn, rate = wire.estimates(frame[1])
+            turns.append(turn)
+            if abs(rate) * 2 * pi > self.file.limits.joint_speed:
+                fast = BoardError(
+                    f"ODrive axis {node} says that it turns at {rate * 2 * pi:.3g} rad/s, more "
+                    "than its joint_speed: its encoder, or its estimator, is wrong"
+                )
         self._sequence += 1
-        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence)
+        return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence), fast
 
     def _take_heartbeats(self, bus: CanBus) -> Received:
         """What the axes say of themselves."""
-        fresh, fired = 0, False
+        fresh, fired, astray = 0, False, ""
         wrong: BoardError | None = None
         for node in self._nodes:
             frame = bus.latest(identifier(node, OdriveCommand.HEARTBEAT))
@@ -210,10 +221,14 @@ class OdriveDriver(Driver):
             elif self._closed and self._states[node] != wire.CLOSED_LOOP:
                 state = wire.state_name(self._states[node])
                 wrong = BoardError(f"ODrive axis {node} left closed loop, it is {state}")
+            elif not self._closed and self._states[node] != wire.IDLE:
+                state = wire.state_name(self._states[node])
+                astray = f"ODrive axis {node} was told to be idle, and is {state}"
         return Received(
             # Out of closed loop nobody sends a torque, so an idle axis is one at zero.
             zero_confirmed=bool(fresh) and not self._closed and self._all_idle(),
             watchdog_fired=fired,
+            contradiction=astray if fresh else None,
             error=wrong,
         )
 
@@ -239,15 +254,17 @@ class OdriveDriver(Driver):
         return len(self._expired) == len(self._nodes)
 
     def send(self, torque: Pair) -> Pair:
-        sent: list[float] = []
-        for node, joint, value in zip(self._nodes, self.file.joints, torque, strict=True):
-            drive = joint.drive
-            if not isinstance(drive, TorqueDrive):
-                raise InputError("an ODrive takes torque: its 'drive' has a gear and a direction")
-            code = drive.encode(value)
-            self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(code))
-            sent.append(drive.decode(code))
-        return sent[0], sent[1]
+        first, second = (_drive(joint.drive) for joint in self.file.joints)
+        codes = first.encode(torque[0]), second.encode(torque[1])
+        sent = first.decode(codes[0]), second.decode(codes[1])
+        send_each(
+            sent,
+            (
+                ((joint,), partial(self._to, node, OdriveCommand.SET_TORQUE, wire.set_torque(code)))
+                for joint, (node, code) in enumerate(zip(self._nodes, codes, strict=True))
+            ),
+        )
+        return sent
 
     def send_zero(self) -> bool:
         """Zero, then idle; silence afterwards, because any frame would feed the watchdog."""
@@ -311,3 +328,9 @@ class OdriveDriver(Driver):
     def _opened(self) -> CanBus:
         assert self._bus is not None, "configure comes first"
         return self._bus
+
+
+def _drive(drive: object) -> TorqueDrive:
+    if not isinstance(drive, TorqueDrive):
+        raise InputError("an ODrive takes torque: its 'drive' has a gear and a direction")
+    return drive

@@ -85,9 +85,9 @@ def heartbeat(data: bytes) -> tuple[int, int]:
     """(error bits, axis state).
 
     Raises:
-        ProtocolError: it is too short.
+        ProtocolError: it is not 8 bytes.
     """
-    if len(data) < 5:
+    if len(data) != 8:
         raise ProtocolError(f"an ODrive heartbeat has 8 bytes, {len(data)} came")
     error, state = struct.unpack_from("<IB", data)
     return error, state

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +33,7 @@ from tests.support.hil.motors.told import Told
 Pair = tuple[float, float]
 SERIAL = {"haply": haply, "cobs": cobs}
 HOMES = {"haply": [2.4, 0.9]}
-NODES = {"odrive": "0,1", "canopen": "1"}
+NODES = {"odrive": "0,1", "canopen": "1", "cia402": "1,2"}
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ class WireFault:
     lose_command: bool = False
     """A byte of each command; on CAN the frame."""
     flip_answer: bool = False
+    spoil: Callable[[bytes], bytes] | None = None
+    """What becomes of an answer, whose checksums stay right."""
     flip_command: bool = False
     late: int = 0
     hang: bool = False
@@ -81,6 +83,7 @@ class MotorWire:
                 self.told = self._joints(each.torques)
             if each.answer and not self.now.lose_answers:
                 answer = flipped(each.answer) if self.now.flip_answer else each.answer
+                answer = self.now.spoil(answer) if self.now.spoil is not None else answer
                 self._answers.append((self.ticks + self.now.late, answer))
 
     def _joints(self, torques: tuple[float, ...]) -> Pair:

@@ -11,7 +11,7 @@ import pytest
 from serial.tools import list_ports
 
 from hil.setup.address import parse
-from hil.setup.can_scan import heard, nodes_on
+from hil.setup.can_scan import heard, nodes_on, suggestions
 from hil.setup.search import can_interfaces, candidates
 from hil.wire import serial_port
 from hil.wire.serial_port import SerialPort
@@ -58,6 +58,27 @@ def test_heartbeats_are_told_apart_by_their_length():
     assert heard(0x701, bytes(4) + b"\x01" + bytes(3)) == ("odrive", 56, "idle")
     for identifier, data in ((0x700, b"\5"), (0x185, b"\5"), (0x705, b""), (0x80, b"")):
         assert heard(identifier, data) is None
+
+
+def test_what_says_no_state_is_no_heartbeat():
+    assert heard(0x705, b"\x33") is None
+    assert heard(3 << 5 | 1, bytes(4) + b"\x63" + bytes(3)) is None
+
+
+def test_a_canopen_nodes_other_frames_are_no_axis():
+    bus = {"interface": "virtual", "channel": "scan-402"}
+    with can.Bus(**bus) as host, can.Bus(**bus) as node:
+        for identifier, data in ((0x701, [5]), (0x181, [0, 0, 0, 0, 8, 0, 0, 0])):
+            node.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+        assert set(nodes_on(host, 0.1)) == {("canopen", 1)}
+
+
+def test_two_canopen_nodes_may_be_drives():
+    found = {("canopen", 4): "operational", ("canopen", 7): "stopped", ("odrive", 3): "idle"}
+    urls = [each["url"] for each in suggestions("can0", found)]
+    assert "canopen+socketcan://can0?nodes=4" in urls
+    assert "cia402+socketcan://can0?nodes=4,7" in urls
+    assert not any("odrive" in url and "," in url for url in urls)
 
 
 def test_a_bus_is_only_listened_to():

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hil.device.contract import Received, State
 from hil.device.errors import BoardError, Cause, NodeLost
-from hil.device.judge import DISABLED_TICKS, LONGEST_STEP, Judge
+from hil.device.judge import LONGEST_STEP, SETTLING_REPLIES, Judge
 from hil.drivers.samples import WrappingClock
 
 SECONDS = st.floats(0.0, 4000.0)
@@ -50,7 +50,7 @@ def test_a_clock_of_32_bits_is_followed_over_its_end(begin, steps):
 
 def test_an_output_stage_that_went_off_is_a_fault_at_once():
     judge = Judge()
-    judge.start()
+    judge.commanded_anew()
     assert judge.verdict(Received(enabled=True), State.ACTIVE) is None
     assert judge.verdict(Received(), State.ACTIVE) is None, "nothing that tells"
     trip = judge.verdict(Received(enabled=False), State.ACTIVE)
@@ -60,10 +60,10 @@ def test_an_output_stage_that_went_off_is_a_fault_at_once():
 
 def test_an_output_stage_that_never_goes_on_is_one_after_a_few_answers():
     judge = Judge()
-    judge.start()
+    judge.commanded_anew()
     verdicts = [judge.verdict(Received(enabled=False), State.ACTIVE) for _ in range(20)]
-    assert [v is None for v in verdicts[:DISABLED_TICKS]] == [True] * DISABLED_TICKS
-    assert verdicts[DISABLED_TICKS] is not None
+    assert [v is None for v in verdicts[:SETTLING_REPLIES]] == [True] * SETTLING_REPLIES
+    assert verdicts[SETTLING_REPLIES] is not None
 
 
 def test_a_watchdog_that_fired_matters_while_active():
