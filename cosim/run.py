@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import html
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -23,12 +23,13 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge, prepare
 from cosim.record.folder import check_folder, new_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
+from cosim.record.playback import records_of
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, open_run
 from cosim.record.writer import Recorder
 from cosim.report.drawings import Drawings
 from cosim.report.expectation import Expectation
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
-from cosim.scenario import Kind, Scenario
+from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
 from cosim.scene import describe_scene
 
@@ -270,22 +271,9 @@ def _input_files(simulation: Simulation) -> dict[str, str]:
     Tables, traces, device files and records played back; where there is no file, its reader says
     so.
     """
-    found = sorted({file for file in _named_files(simulation) if file.is_file()})
-    return {str(file): _sha256(file) for file in found}
-
-
-def _named_files(simulation: Simulation) -> Iterator[Path]:
-    scenario = simulation.scenario
-    for name, component in scenario.components.items():
-        yield from files_of(simulation.assembly.participants[name])
-        if component.kind is Kind.PLAYBACK:
-            yield Path(component.source) / RUN_FILE
-        if component.kind is Kind.DEVICE and isinstance(component.options.get("file"), str):
-            yield Path(component.options["file"])
-    for channel in scenario.channels.values():
-        for way in (channel.forward, channel.backward):
-            files = (getattr(effect, "file", None) for effect in way.impairments.values())
-            yield from (file for file in files if isinstance(file, Path))
+    scenario, participants = simulation.scenario, simulation.assembly.participants
+    named = {*files_of(scenario, participants), *records_of(scenario)}
+    return {str(file): _sha256(file) for file in sorted(named) if file.is_file()}
 
 
 def _sha256(file: Path) -> str:

@@ -139,6 +139,21 @@ class Variable:
 Cells = NDArray[np.float64] | NDArray[np.int64]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """Rows over time that the loop itself shows at a component's outputs.
+
+    ``times`` (rows,) in s, rising; ``rows`` (rows, outputs), the outputs in the order of
+    ``Component.variables``, all of them real scalars. Before the first row the first is shown,
+    after the last the last; between two of them the one before, or with ``is_linear`` what lies on
+    the line through them.
+    """
+
+    times: NDArray[np.float64]
+    rows: NDArray[np.float64]
+    is_linear: bool = False
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """What a component is told once, before its first tick.
@@ -166,6 +181,11 @@ class Component(ABC):
     @abstractmethod
     def variables(self) -> Sequence[Variable]:
         """Every variable; the same at every call."""
+
+    @property
+    def played(self) -> Played | None:
+        """What is shown at the outputs in place of ``evaluate``, at no cost in a tick."""
+        return None
 
     @property
     def dependencies(self) -> Mapping[str, Sequence[str]]:

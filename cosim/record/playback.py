@@ -13,9 +13,9 @@ from cosim.base.component import Causality, Cells, Component, Role, Setup, Varia
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
 from cosim.base.texts import TextCells
-from cosim.record.reader import Values, open_run
+from cosim.record.reader import RUN_FILE, Values, open_run
 from cosim.record.texts.recorded import RecordedText
-from cosim.scenario import Kind
+from cosim.scenario import Kind, Scenario
 from cosim.scenario import ScenarioComponent as Written
 
 
@@ -173,6 +173,12 @@ def play(written: Written) -> Playback:
     """
     played = written.options.get("component") or written.name
     return Playback(Path(written.source), str(played), written.options.get("terminals") or {})
+
+
+def records_of(scenario: Scenario) -> list[Path]:
+    """The records that a scenario plays back."""
+    played = (part for part in scenario.components.values() if part.kind is Kind.PLAYBACK)
+    return [Path(part.source) / RUN_FILE for part in played]
 
 
 KINDS = {Kind.PLAYBACK: play}

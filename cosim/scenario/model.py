@@ -29,6 +29,7 @@ class Kind(StrEnum):
     PYTHON = "python"
     DEVICE = "device"
     PLAYBACK = "playback"
+    TABLE = "table"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +40,7 @@ class ScenarioComponent:
     kind: Kind
     source: str
     """fmu: a bundled model's name or an absolute path; python: ``module:Class``; device: a URL;
-    playback: the absolute path of a run folder."""
+    playback: the absolute path of a run folder; table: that of a file."""
     station: str
     rate_name: str | None
     """The name in ``rates``, ``None`` where the rate was written as a number."""
@@ -63,7 +64,8 @@ class ScenarioComponent:
     start: Mapping[str, Value] = field(default_factory=dict[str, Value])
     """Start values of inputs, and of outputs that allow one, by variable name."""
     options: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    """What belongs to the kind alone: a device's further settings, ``component`` of a playback."""
+    """What belongs to the kind alone: a device's further settings, ``component`` of a playback,
+    ``columns``, ``interpolate`` and ``time_offset`` of a table."""
 
     @property
     def is_bundled(self) -> bool:

@@ -96,6 +96,11 @@ def _component(part: ScenarioComponent) -> dict[str, Any]:
     written: dict[str, Any] = {part.kind.value: source}
     if part.kind is Kind.PLAYBACK:
         written["of"] = part.options["component"]
+    if part.kind is Kind.TABLE:
+        if part.options["columns"]:
+            written["columns"] = list(part.options["columns"])
+        written["interpolate"] = part.options["interpolate"]
+        written["time_offset"] = _exact(part.options["time_offset"])
     written |= {"station": part.station, "rate": part.rate_name or _exact(part.rate)}
     if part.kind is Kind.FMU:
         if part.is_bundled:

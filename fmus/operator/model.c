@@ -81,6 +81,11 @@ static Signal reference(const Variables *v, const State *s, int axis)
     case OPERATOR_TRAJECTORY_TRACKED:
         signal = (Signal){s->tracking.position[axis], s->tracking.velocity[axis]};
         break;
+    case OPERATOR_TRAJECTORY_GIVEN:
+        signal.value = v->target_position[axis];
+        if (s->tracking.interval > 0.0)
+            signal.rate = (signal.value - s->tracking.sample[axis]) / s->tracking.interval;
+        break;
     case OPERATOR_TRAJECTORY_RECORDED:
         signal = sampled_signal(s->rows, s->count, COLUMNS, (size_t)axis + 1,
                                 s->time - v->trajectory_start_time, true);
@@ -159,6 +164,11 @@ static void emulate(const Variables *v, Tracking *k, double t)
 const char *model_step(Variables *v, State *s, double t, double h, Report *r)
 {
     s->time = t + h;
+    if (v->trajectory == OPERATOR_TRAJECTORY_GIVEN) {
+        s->tracking.interval = h;
+        for (int axis = 0; axis < AXES; ++axis)
+            s->tracking.sample[axis] = v->target_position[axis];
+    }
     if (v->trajectory != OPERATOR_TRAJECTORY_TRACKED)
         return NULL;
     const Target target = {

@@ -8,7 +8,7 @@ from fmus.table import Causality, Enumeration, Item, Model, ModelVariable
 
 VIA_POINTS = 16
 TRACKED = "trajectory>=4"
-"""Where a tracked reference is read."""
+"""Where a tracked or given reference is read."""
 
 IMPEDANCE = Enumeration(
     name="operator_impedance",
@@ -34,6 +34,11 @@ TRAJECTORY = Enumeration(
             value=4,
             description="Tracks target_position, a person's hand; until that is first valid, the "
             "emulated user along the via points",
+        ),
+        Item(
+            name="given",
+            value=5,
+            description="Is target_position itself; its velocity is the difference over a step",
         ),
     ),
 )
@@ -67,6 +72,17 @@ def _pair(
         unit=unit,
         size=2,
         start=0.0 if settable else None,
+    )
+
+
+def _reference(name: str, description: str, unit: str) -> ModelVariable:
+    return ModelVariable(
+        name=f"reference_{name}",
+        description=description,
+        causality="output",
+        unit=unit,
+        size=2,
+        depends_on=("target_position",),
     )
 
 
@@ -136,10 +152,10 @@ MODEL = Model(
             causality="output",
             unit="N",
             size=2,
-            depends_on=("position", "velocity"),
+            depends_on=("position", "velocity", "target_position"),
         ),
-        _pair("reference_position", "Where the user wants the finger to be", "m", "output"),
-        _pair("reference_velocity", "How fast the user wants it to move", "m/s", "output"),
+        _reference("position", "Where the user wants the finger to be", "m"),
+        _reference("velocity", "How fast the user wants it to move", "m/s"),
         _pair("force_command", "Force that the user wants to exert", "N", "output"),
         ModelVariable(
             name="impedance",

@@ -137,7 +137,7 @@ CHANGES: dict[str, tuple[str, ...]] = {
     "fmu: signal": (
         *("fmu: signl", "fmu: nowhere.fmu", "fmu: 7", "fmu: ''", "fm: signal", "fmu: /", "fmu: ~"),
         *("fmu: signal, python: 'a:B'", "python: 'no_such_module:Thing'", "python: signal"),
-        *("device: 'nodriver://x'", "device: mock", "playback: nowhere"),
+        *("device: 'nodriver://x'", "device: mock", "playback: nowhere", "table: nowhere.csv"),
     ),
     "mode: step": ("mode: stp", "mode: 99", "mode: 1.5", "mode: true", "mod: step", "mode: [step]"),
     "amplitude: 0.1": (

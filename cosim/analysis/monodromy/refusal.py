@@ -11,6 +11,7 @@ _WORD = {
     Kind.PYTHON: "is written in Python and does not declare its state",
     Kind.DEVICE: "is a device, whose state nobody knows",
     Kind.PLAYBACK: "is played back, so that nothing acts on it",
+    Kind.TABLE: "is read from a table, so that nothing acts on it",
 }
 
 

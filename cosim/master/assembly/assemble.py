@@ -84,7 +84,7 @@ def put_together(
         selected = [group for group in chosen if group.signals or group.texts]
 
     parts = {
-        name: Part(each.interface, each.period, each.fmu is not None, each.methods)
+        name: Part(each.interface, each.period, each.fmu is not None, each.methods, each.played)
         for name, each in participants.items()
     }
     recorded = {signal for group in selected for signal in group.read}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,8 +40,21 @@ def with_files(scenario: Scenario, participants: Mapping[str, Participant]) -> S
     return replace(scenario, components=changed)
 
 
-def files_of(participant: Participant) -> list[Path]:
-    """The files that the component's parameters name."""
+def files_of(scenario: Scenario, participants: Mapping[str, Participant]) -> Iterator[Path]:
+    """What else the numbers depend on: tables, devices' files, traces of channels."""
+    for name, component in scenario.components.items():
+        yield from _of_parameters(participants[name])
+        if component.kind is Kind.TABLE:
+            yield Path(component.source)
+        if component.kind is Kind.DEVICE and isinstance(component.options.get("file"), str):
+            yield Path(component.options["file"])
+    for channel in scenario.channels.values():
+        for way in (channel.forward, channel.backward):
+            files = (getattr(effect, "file", None) for effect in way.impairments.values())
+            yield from (file for file in files if isinstance(file, Path))
+
+
+def _of_parameters(participant: Participant) -> list[Path]:
     variables = participant.interface.variables
     return [
         Path(str(elements[0]))

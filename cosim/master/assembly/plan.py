@@ -14,7 +14,7 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.component import Causality
+from cosim.base.component import Causality, Played
 from cosim.master.assembly.ordering import Atom, Graph, Stage, build_graph, order, refuse_loop
 from cosim.master.assembly.wiring import Wiring
 from cosim.master.components.interface import Interface
@@ -60,6 +60,8 @@ class Part:
     is_fmu: bool
     methods: frozenset[str] = frozenset()
     """Of a Python component or device: which of read, evaluate, write and step it has."""
+    played: Played | None = None
+    """Rows over time that are shown at its outputs."""
 
     def overrides(self, method: str) -> bool:
         """Whether a Python component or device does anything in ``method``."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim import scenario as scenarios
-from cosim.base.component import Causality, Component, Setup
+from cosim.base.component import Causality, Component, Played, Setup
 from cosim.base.counter import stream_key
 from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
@@ -17,6 +17,7 @@ from cosim.master.assembly.clock import Clock
 from cosim.master.components import python_component as python
 from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import SETTABLE, STARTABLE, resolve_values
+from cosim.master.components.table import table_of
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.instance import choose_substeps, find_binary
 from cosim.master.fmu.reading import read_description
@@ -42,6 +43,7 @@ class Participant:
     """What was asked for its variables; a run takes its own from ``supply``."""
     supply: Supply | None = None
     methods: frozenset[str] = field(default_factory=frozenset[str])
+    played: Played | None = None
     is_isolated: bool = False
     """fmu: whether it gets a process of its own."""
     notes: tuple[str, ...] = ()
@@ -268,6 +270,8 @@ def _instance(
         return python.open_device(written.source, written.options, scenario.safety)
     if written.kind is Kind.PYTHON:
         return python.load_class(written.source, scenario.file.parent)
+    if written.kind is Kind.TABLE:
+        return table_of(written)
     raise InputError(f"{written.name} is a {written.kind}, which nobody here can run")
 
 
@@ -288,6 +292,7 @@ def _read_python(
         component=component,
         supply=supply,
         methods=python.methods_of(component),
+        played=component.played,
     )
 
 

@@ -28,6 +28,36 @@ static bool record(Record *target, const Cell *cells, const int32_t *columns, in
     return true;
 }
 
+/* Rows of a table at the outputs of a component: the first before the first row's time, the last after
+   the last one's. */
+static void search(Played *played, double tick)
+{
+    const double *times = played->times;
+    const int64_t last = played->count - 1;
+    int64_t row = played->row;
+    while (row > 0 && times[row] > tick)
+        row--;
+    while (row < last && times[row + 1] <= tick)
+        row++;
+    played->row = row;
+}
+
+static void play(Cell *cells, Played *played, double tick)
+{
+    search(played, tick);
+    const int64_t row = played->row, width = played->width;
+    const double *before = played->rows + row * width, *after = before + width;
+    const double since = tick - played->times[row];
+    if (!played->is_linear || row == played->count - 1 || since <= 0.0) {
+        for (int64_t i = 0; i < width; i++)
+            cells[i].real = before[i];
+        return;
+    }
+    const double share = since / (played->times[row + 1] - played->times[row]);
+    for (int64_t i = 0; i < width; i++)
+        cells[i].real = before[i] + (after[i] - before[i]) * share;
+}
+
 /* A foreign FMU may change how the processor computes, mostly in its first calls. Looking costs more
    than a small FMU's step, so that after some ticks it is done once a tick; who was found to change
    it is looked at after every call from then on. Our own FMUs are never looked at. */
@@ -148,6 +178,9 @@ static Outcome execute(Kernel *kernel)
             break;
         case KIND_TUNE:
             outcome = tune(kernel, op);
+            break;
+        case KIND_PLAY:
+            play(op->cells, (Played *)op->table, (double)kernel->tick);
             break;
         default:
             break;

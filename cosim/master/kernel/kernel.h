@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 7 };
+enum { KERNEL_ABI = 8 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -47,7 +47,8 @@ typedef enum {
     KIND_SAMPLE = 9,
     KIND_SEND = 10,
     KIND_RECORD = 11,
-    KIND_TUNE = 12
+    KIND_TUNE = 12,
+    KIND_PLAY = 13
 } Kind;
 
 /* The type behind KIND_SET and KIND_GET. */
@@ -90,6 +91,16 @@ typedef struct {
     int64_t by_call; /* Python carries the change out */
 } Knob;
 
+/* Rows that are shown over time (KIND_PLAY): `width` cells each, the times in base ticks, rising. */
+typedef struct {
+    const double *times;
+    const double *rows;
+    int64_t count; /* 1 at least */
+    int64_t width;
+    int64_t is_linear; /* between two rows: on the line through them, else the one before */
+    int64_t row;       /* where the last search ended: a hint, no state */
+} Played;
+
 /* An event: a cell gets a value when a tick begins. */
 typedef struct {
     int64_t tick;
@@ -108,7 +119,8 @@ typedef struct {
     Cell *cells;        /* first cell of a set or get */
     int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
     void *scratch;      /* room for cell_count values of `type` */
-    /* pairs of int32 (from, to), Conversions, int32 columns, Ranges (set), or a Knob (tune) */
+    /* pairs of int32 (from, to), Conversions, int32 columns, Ranges (set), a Knob (tune), or what is
+       Played */
     const void *table;
     int64_t copy_count; /* pairs that are copied first (set of reals) */
 } Operation;

@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import RunError
 
-ABI = 7
+ABI = 8
 
 
 class KernelOutcome(IntEnum):
@@ -43,6 +43,7 @@ class OperationKind(IntEnum):
     SEND = 10
     RECORD = 11
     TUNE = 12
+    PLAY = 13
 
 
 TYPE_CODES = {
@@ -78,6 +79,19 @@ class ConversionStruct(ctypes.Structure):
         ("from_integer", c_int64),
         ("gain", c_double),
         ("offset", c_double),
+    ]
+
+
+class PlayedStruct(ctypes.Structure):
+    """``Played``."""
+
+    _fields_ = [
+        ("times", c_void_p),
+        ("rows", c_void_p),
+        ("count", c_int64),
+        ("width", c_int64),
+        ("is_linear", c_int64),
+        ("row", c_int64),
     ]
 
 

@@ -22,6 +22,7 @@ from cosim.master.channels.packets import Packets
 from cosim.master.channels.texts import CarriedTexts, Speaking
 from cosim.master.channels.turning import TurnedChannels, dials_of
 from cosim.master.components.interface import size_of
+from cosim.master.components.playing import rows_to_play
 from cosim.master.kernel.native import (
     FMI2_TYPE_CODES,
     TYPE_CODES,
@@ -296,9 +297,29 @@ class Program:
                 yield from self._text_calls(unit, action.names, is_set=False)
             else:
                 yield OperationStruct(kind=OperationKind.STEP, owner=self._numbers[unit])
+        elif action.act is Act.GET and self.parts[unit].played is not None:
+            yield from self._plays(unit, action.names)
         elif self.parts[unit].overrides(_CALLS[action.act]):
             self.calls[len(self._operations)] = Call(unit, _CALLS[action.act])
             yield OperationStruct(kind=OperationKind.CALL, owner=self._places[unit])
+
+    def _plays(self, unit: str, names: Iterable[str | int]) -> Iterable[OperationStruct]:
+        """One operation for each run of neighbouring cells."""
+        part = self.parts[unit]
+        assert part.played is not None
+        outputs = [n for n, v in part.interface.variables.items() if v.causality == "output"]
+        cells = sorted((self.layout.cells[unit, str(name)], str(name)) for name in names)
+        for _, run in groupby(enumerate(cells), lambda item: item[1][0] - item[0]):
+            members = [cell for _, cell in run]
+            columns = [outputs.index(name) for _, name in members]
+            rows = rows_to_play(part.played, columns, self.clock, part.period)
+            self._keep.append(rows)
+            yield OperationStruct(
+                kind=OperationKind.PLAY,
+                owner=self._places[unit],
+                cells=self.cells.ctypes.data + 8 * members[0][0],
+                table=ctypes.addressof(rows.struct),
+            )
 
     def _bundle_operations(self, action: Action, number: int) -> Iterable[OperationStruct]:
         if action.act is Act.DELIVER:

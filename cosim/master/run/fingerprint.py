@@ -55,7 +55,7 @@ def difference(
             return f"{name} was {there.get('class') or there.get('kind')} when it was taken."
         if there.get("values") != here["values"]:
             return (
-                f"{name} had other parameters or start values when it was taken; run it with "
+                f"{name} had other parameters, start values or rows when it was taken; run it with "
                 "those, or take a new one."
             )
     return None
@@ -107,4 +107,7 @@ def _class_of(component: object) -> str:
 def _values_digest(participant: Participant, written: Mapping[str, Any]) -> str:
     given = repr((participant.parameters, participant.start))
     own = "" if participant.component is None else repr(sorted(written.items()))
-    return hashlib.sha256(f"{given}\n{own}".encode()).hexdigest()
+    state = hashlib.sha256(f"{given}\n{own}".encode())
+    if (played := participant.played) is not None:
+        state.update(played.times.tobytes() + played.rows.tobytes() + bytes([played.is_linear]))
+    return state.hexdigest()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -59,7 +60,15 @@ def _options(context: Context, form: ComponentForm, name: str) -> dict[str, Any]
             folder = context.folder(("components", name, "device", "file"))
             settings["file"] = str((folder / Path(settings["file"]).expanduser()).absolute())
         return settings
-    return {"component": form.of or name} if form.playback is not None else {}
+    if form.playback is not None:
+        return {"component": form.of or name}
+    if form.table is not None:
+        return {
+            "columns": tuple(form.columns or ()),
+            "interpolate": form.interpolate or "hold",
+            "time_offset": form.time_offset or Fraction(0),
+        }
+    return {}
 
 
 def _source(context: Context, name: str, kind: Kind, form: ComponentForm) -> str | None:
@@ -74,6 +83,8 @@ def _source(context: Context, name: str, kind: Kind, form: ComponentForm) -> str
             found, message = _url(device.url if isinstance(device, DeviceForm) else device or "")
         case Kind.PLAYBACK:
             found, message = _folder(form.playback or "", context.folder(path))
+        case Kind.TABLE:
+            found, message = _file(form.table or "", context.folder(path))
     if found is None:
         context.problems.add(path, f"components.{name}: {message}")
     return found
@@ -141,6 +152,11 @@ def _url(text: str) -> tuple[str | None, str]:
     if re.match(r"[a-z][a-z0-9+._-]*://", text):
         return text, ""
     return None, f"'{text}' is no device URL; write 'driver://port', such as 'mock://'."
+
+
+def _file(text: str, folder: Path) -> tuple[str | None, str]:
+    file = (folder / Path(text).expanduser()).absolute()
+    return (str(file), "") if file.is_file() else (None, f"there is no file {file}.")
 
 
 def _folder(text: str, folder: Path) -> tuple[str | None, str]:

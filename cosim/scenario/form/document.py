@@ -32,13 +32,14 @@ from cosim.scenario.form.fields import (
     Pattern,
     Rate,
     Seconds,
+    Shift,
     Signal,
     SignalName,
     Span,
 )
 from cosim.scenario.form.sections import Chosen, Forms, all_of
 from cosim.scenario.form.turning import EventForm, KnobForm
-from cosim.scenario.source.merge import KINDS
+from cosim.scenario.source.merge import KINDS, OWNERS
 from cosim.scenario.source.notation import NotationError, parse_connection
 
 
@@ -51,7 +52,7 @@ class DeviceForm(BaseModel):
 
 
 class ComponentForm(Form):
-    """One thing with inputs and outputs: exactly one of fmu, python, device, playback."""
+    """One thing with inputs and outputs: exactly one of fmu, python, device, playback, table."""
 
     read_before: ClassVar[tuple[str, ...]] = ("include",)
     unknown_in: ClassVar[str] = "parameters"
@@ -74,6 +75,22 @@ class ComponentForm(Form):
     playback: str | None = Field(default=None, description="The folder of an earlier run.")
     of: Name | None = Field(
         default=None, description="playback: which component of that run; the same name by default."
+    )
+    table: str | None = Field(
+        default=None, description="A text file: a heading that names columns, a row a time."
+    )
+    columns: list[str] | None = Field(
+        default=None,
+        min_length=1,
+        description="table: which columns are outputs; all by default.",
+    )
+    interpolate: Literal["hold", "linear"] | None = Field(
+        default=None,
+        description="table: between two rows the one before, or the line through them; hold by "
+        "default.",
+    )
+    time_offset: Shift | None = Field(
+        default=None, description="table: what is added to its times; 0 by default."
     )
     station: Name = Field(default="main", description="The workstation that computes it.")
     rate: Rate | None = Field(default=None, description="Steps a second.")
@@ -111,12 +128,12 @@ class ComponentForm(Form):
         if len(kinds) > 1:
             raise problem(f"one kind too many: {' and '.join(kinds)}; keep one of them.")
         if not kinds:
-            raise problem("it has no kind; give it one of 'fmu', 'python', 'device', 'playback'.")
-        owners = {"flavour": "fmu", "substeps": "fmu", "feedthrough": "fmu", "of": "playback"}
-        owners["isolate"] = "fmu"
-        for key, owner in {**owners, "validate_": "fmu"}.items():
-            if getattr(self, key) is not None and kinds[0] != owner:
-                raise problem(f"'{key.rstrip('_')}' belongs to '{owner}', not to '{kinds[0]}'.")
+            *others, last = (f"'{kind}'" for kind in KINDS)
+            raise problem(f"it has no kind; give it one of {', '.join(others)} or {last}.")
+        for key, owner in OWNERS.items():
+            given = self.validate_ if key == "validate" else getattr(self, key)
+            if given is not None and kinds[0] != owner:
+                raise problem(f"'{key}' belongs to '{owner}', not to '{kinds[0]}'.")
         return self
 
 

@@ -58,6 +58,13 @@ def _to_span(value: Any) -> Fraction:
     return number
 
 
+def _to_shift(value: Any) -> Fraction:
+    number = _number(value, "s", "time, such as 0.5, '-12 s'")
+    if not abs(number) <= MAX_SECONDS:
+        raise problem(f"{value} is out of range: at most {MAX_SECONDS} s either way.")
+    return number
+
+
 def _to_hertz(value: Any) -> Fraction:
     number = _number(value, "Hz", "rate, such as 1024, '128 Hz' or '8192/3 Hz'")
     if not 0 < number <= MAX_RATE:
@@ -185,6 +192,15 @@ Span = Annotated[
         {"type": "number", "minimum": 0},
         _text(f"({_SECONDS})?"),
         description="A time of 0 or more: seconds, or with a unit.",
+    ),
+]
+Shift = Annotated[
+    Fraction,
+    _plain(_to_shift),
+    _schema(
+        {"type": "number"},
+        _text(f"({_SECONDS})?"),
+        description="A time of either sign: seconds, or with a unit.",
     ),
 ]
 Hertz = Annotated[

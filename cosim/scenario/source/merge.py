@@ -18,10 +18,22 @@ from cosim.scenario.source.notation import as_mapping, components_in
 
 Path = tuple[PathKey, ...]
 
-KINDS = ("fmu", "python", "device", "playback")
+KINDS = ("fmu", "python", "device", "playback", "table")
 """The keys that say what computes a component; exactly one of them."""
 
-KIND_KEYS = (*KINDS, "parameters", "start", "flavour", "substeps", "feedthrough", "validate", "of")
+OWNERS = {
+    "flavour": "fmu",
+    "substeps": "fmu",
+    "feedthrough": "fmu",
+    "validate": "fmu",
+    "isolate": "fmu",
+    "of": "playback",
+    "columns": "table",
+    "interpolate": "table",
+    "time_offset": "table",
+}
+"""Which kind of component a key belongs to, where it is one's alone."""
+KIND_KEYS = (*KINDS, *OWNERS, "parameters", "start")
 """What a component loses when its kind changes; station and rate stay."""
 
 

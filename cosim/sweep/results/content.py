@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cosim.master.assembly.assemble import Assembly
-from cosim.scenario import Kind
+from cosim.master.assembly.files import files_of
+from cosim.record.playback import records_of
 from cosim.scenario.resolved import to_document
 from cosim.sweep.job import Job
 from cosim.sweep.planning.axis import Value
@@ -28,8 +29,8 @@ def structure_of(job: Job, assembly: Assembly) -> str:
     for name, participant in assembly.participants.items():
         if participant.fmu is not None:
             state.update(f"{name} {participant.fmu.sha256}\n".encode())
-        for file in _files(assembly, name):
-            state.update(f"{name} {_digest(file)}\n".encode())
+    for file in _files(assembly):
+        state.update(f"{file} {_digest(file)}\n".encode())
     return state.hexdigest()
 
 
@@ -42,20 +43,15 @@ def key_of(structure: str, job: Job, point: Sequence[Value]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _files(assembly: Assembly, name: str) -> list[Path]:
-    """Files that a component's numbers depend on, besides its FMU."""
-    from cosim.master.assembly.files import files_of
-    from cosim.record.reader import RUN_FILE
-
-    component = assembly.scenario.components[name]
-    participant = assembly.participants[name]
-    found = files_of(participant)
-    if component.kind is Kind.PLAYBACK:
-        found.append(Path(component.source) / RUN_FILE)
-    if participant.component is not None:
-        module = sys.modules[type(participant.component).__module__]
-        found += [Path(module.__file__)] if module.__file__ else []
-    return [file for file in found if file.is_file()]
+def _files(assembly: Assembly) -> list[Path]:
+    """Files that the numbers depend on, besides the FMUs."""
+    scenario, participants = assembly.scenario, assembly.participants
+    found = {*files_of(scenario, participants), *records_of(scenario)}
+    for participant in participants.values():
+        if participant.component is not None:
+            module = sys.modules[type(participant.component).__module__]
+            found |= {Path(module.__file__)} if module.__file__ else set()
+    return sorted(file for file in found if file.is_file())
 
 
 def _digest(file: Path) -> str:

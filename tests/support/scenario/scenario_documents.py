@@ -77,6 +77,12 @@ def components(draw: st.DrawFn) -> dict[str, Any]:
                             {"device": st.just("mock://")},
                             {"device": st.just({"url": "haply:///dev/x", "serial": 7})},
                             {"playback": st.just("."), "of": st.just("other")},
+                            {
+                                "table": st.just(__file__),
+                                "interpolate": st.just("linear"),
+                                "time_offset": st.just("-2 s"),
+                                "columns": st.just(["x"]),
+                            },
                         ]
                     )
                 ),

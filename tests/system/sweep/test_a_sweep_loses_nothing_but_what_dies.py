@@ -150,6 +150,27 @@ def test_what_is_known_is_not_run_again(scenario: Path, tmp_path: Path, counted:
     assert run_sweep(changed, out, workers=0).reused == 0
 
 
+@pytest.mark.parametrize("which", ["table", "trace"])
+def test_a_file_of_another_content_is_another_sweep(
+    scenario: Path, tmp_path: Path, which: str
+) -> None:
+    """Whatever the numbers depend on, by what is in it."""
+    table, trace = tmp_path / "hand.csv", tmp_path / "trace.txt"
+    table.write_text("t,x\n0,1\n")
+    trace.write_text("1 ms\n2 ms\n")
+    sets = [
+        f"components.file={{table: {table}, rate: 1024}}",
+        f"channels.lan.trace={trace}",
+        "channels.lan.each_way_delay=~",
+    ]
+    out = tmp_path / "out"
+    assert run_sweep(plan(scenario, sets=sets), out, workers=0).reused == 0
+    assert run_sweep(plan(scenario, sets=sets), out, workers=0).reused == GAINS
+    table.write_text(f"t,x\n0,{1 + (which == 'table')}\n")
+    trace.write_text(f"1 ms\n{2 + (which == 'trace')} ms\n")
+    assert run_sweep(plan(scenario, sets=sets), out, workers=0).reused == 0
+
+
 def test_a_component_that_remembers_is_found_out(tmp_path: Path) -> None:
     part = {**SCENARIO["components"]["part"], "python": "tests.support.sweep.parts:Forgets"}
     components = {**SCENARIO["components"], "part": part}

@@ -307,3 +307,18 @@ def test_operator_commands_a_force_on_each_axis() -> None:
         seen.append(user["force"][0])
         user.step()
     assert np.flatnonzero(seen).tolist() == list(range(512, 768))
+
+
+def test_operator_given_its_reference_follows_it() -> None:
+    """The point itself within the tick; its velocity from the second step on."""
+    user = Instance("operator", trajectory=5, impedance=0, stiffness=[100.0, 0.0], damping=[0, 2.0])
+    user.initialise()
+    point = [0.0, 0.0]
+    for k in range(20):
+        before, point = point, [0.01 * k**2, -0.02 * k]
+        user["target_position"] = point
+        rate = [(b - a) * 1024.0 if k else 0.0 for a, b in zip(before, point, strict=True)]
+        assert user["reference_position"].tolist() == point
+        assert user["reference_velocity"] == pytest.approx(rate, abs=1e-12)
+        assert user["force"] == pytest.approx([100.0 * point[0], 2.0 * rate[1]], abs=1e-10)
+        user.step()

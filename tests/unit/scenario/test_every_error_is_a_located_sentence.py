@@ -108,8 +108,7 @@ MISTAKES = {
         "left: {",
         (
             "s.yaml:6:3: components.left: it has no kind; give it one of 'fmu', 'python', "
-            "'device', "
-            "'playback'."
+            "'device', 'playback' or 'table'."
         ),
     ),
     "two kinds": (

@@ -41,6 +41,8 @@ ELSEWHERE = {
     ("Document", "realtime"),
     ("ComponentForm", "playback"),
     ("ComponentForm", "of"),
+    # Each key of a table is shown with the tables.
+    *(("ComponentForm", key) for key in ("table", "columns", "interpolate", "time_offset")),
     # What an imperfect description meets is shown with such FMUs.
     ("ComponentForm", "validate"),
     # Units that differ are shown with FMUs that bring them.

@@ -16,6 +16,7 @@ from cosim.scenario import load
 
 PAGE = Path(__file__).parents[3] / "docs" / "scenario.md"
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+(TABLE,) = [text for language, text in BLOCKS if language == "csv"]
 EXAMPLES = [text for language, text in BLOCKS if language == "yaml"]
 SESSIONS = [text for language, text in BLOCKS if language == "console"]
 COMMANDS = [part for text in SESSIONS for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]]
@@ -26,6 +27,7 @@ def test_each_example_can_be_put_together(number: int, tmp_path: Path) -> None:
     text = EXAMPLES[number]
     file = tmp_path / "example.yaml"
     file.write_text(text, encoding="utf-8")
+    (tmp_path / "hand.csv").write_text(TABLE, encoding="utf-8")
     base = re.match(r"# over (\w+)", text)
     scenario = load(base[1], [file]) if base else load(file)
     with assemble(scenario):
