@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
@@ -32,6 +32,9 @@ from cosim.report.summary import SUMMARY_FILE, Summary, summarise
 from cosim.scenario import Scenario
 from cosim.scenario.resolved import to_yaml
 from cosim.scene import describe_scene
+
+if TYPE_CHECKING:
+    from cosim.theory.stability.told import ToldLoop
 
 LOG_FILE = "fmu.log"
 _SHOWN = 8
@@ -192,7 +195,12 @@ def run_scenario(
         if outcome.said:
             leave(lambda: _write_log(folder / LOG_FILE, outcome))
         scene = describe_scene(simulation.assembly, simulation.groups)
-        drawings = Drawings(figure, figure if page is None else page, scene)
+        drawings = Drawings(
+            figure,
+            figure if page is None else page,
+            scene,
+            lambda: _theory_of(simulation.scenario),
+        )
         content = _report(folder, manifest, recorder, expectations, drawings, leave=leave)
         # Last, so that it is the peak of everything, the figure included.
         content["peak_memory"] = peak_memory()
@@ -221,6 +229,13 @@ def _run(
     except CohapticError as error:
         return error
     return None
+
+
+def _theory_of(scenario: Scenario) -> tuple[ToldLoop, ...]:
+    """What the theory says, imported when a page asks for it: the run is over by then."""
+    from cosim.analysis.worlds import tell_of
+
+    return tell_of(scenario)
 
 
 class _Leaver:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cosim.record.reader import Run
 from cosim.record.scene import SCENE_FILE
 from cosim.record.statistics import ColumnSummary
 from cosim.report.summary import facts
+
+if TYPE_CHECKING:
+    from cosim.theory.stability.told import ToldLoop
 
 FIGURE_FILE = "overview.png"
 REPORT_FILE = "report.html"
@@ -27,11 +30,13 @@ class Drawings:
         figure: whether there is an overview.
         page: whether there is a page.
         scene: what can be drawn of the run (``cosim.scene``).
+        theory: asked for what the theory says of the scenario, where a page is made.
     """
 
     figure: bool
     page: bool
     scene: Mapping[str, Any] | None = None
+    theory: Callable[[], Sequence[ToldLoop]] | None = None
 
     def files(
         self, run: Run, content: Mapping[str, Any], summaries: Mapping[str, ColumnSummary]
@@ -51,8 +56,21 @@ class Drawings:
         if self.figure:
             found[FIGURE_FILE] = lambda path: _draw(run, path, summaries, facts(content))
         if self.page:
-            found[REPORT_FILE] = lambda path: _write_page(run, path, content, summaries, scene)
+            found[REPORT_FILE] = lambda path: self._write_page(run, path, content, summaries)
         return found
+
+    def _write_page(
+        self,
+        run: Run,
+        path: Path,
+        content: Mapping[str, Any],
+        summaries: Mapping[str, ColumnSummary],
+    ) -> None:
+        from cosim.report.page.document import write_page
+
+        scene = self.scene if self.scene is not None and has_things(self.scene) else None
+        told = self.theory() if self.theory else ()
+        write_page(run, path, content, summaries, scene, told=told)
 
 
 def has_things(scene: Mapping[str, Any]) -> bool:
@@ -68,15 +86,3 @@ def _draw(run: Run, path: Path, summaries: Mapping[str, ColumnSummary], line: st
     from cosim.report.overview import draw_overview
 
     draw_overview(run, path, summaries, line)
-
-
-def _write_page(
-    run: Run,
-    path: Path,
-    content: Mapping[str, Any],
-    summaries: Mapping[str, ColumnSummary],
-    scene: Mapping[str, Any] | None,
-) -> None:
-    from cosim.report.page.document import write_page
-
-    write_page(run, path, content, summaries, scene)

@@ -98,6 +98,9 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
             "first_tick": first,
             "runs": {s: str(run.folder) for s, run in zip(stations, runs, strict=True)},
             "links": {s: dict(link) for s, link in zip(stations, links, strict=True)},
+            "deadlines": {
+                s: run.manifest.get("deadlines") for s, run in zip(stations, runs, strict=True)
+            },
         },
     }
     write_manifest(folder, manifest)

@@ -12,7 +12,6 @@ from cosim.base.errors import CohapticError
 if TYPE_CHECKING:
     from cosim.live.knobs import PageKnob
     from cosim.scenario import Scenario
-    from cosim.theory.numerics import Complex
 
 PLACES = {
     "coupling_stiffness": ("k_o1", "k_o2"),
@@ -22,11 +21,6 @@ PLACES = {
 """The loop's parameters that a knob turns."""
 LEVELS = {"coupling_stiffness": 9, "remote_normal_stiffness": 9, "compensation": 3}
 DELAY = "round_trip_delay"
-WORLDS = {
-    "distributed": {"distributed_workstation"},
-    "centralized": {"central_server", "remote_client"},
-}
-"""The models of each architecture."""
 MODES = 3
 """How many modes are told."""
 
@@ -37,16 +31,16 @@ def theory_of(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] |
     ``worlds`` are as :func:`radii` has them, ``switch`` the key of the knob that chooses between
     them. ``None`` where the theory has no loop of the scenario.
     """
+    from cosim.analysis.worlds import alone, worlds_of
     from cosim.live.knobs import SWITCH
 
     switch = next((knob for knob in knobs if knob.key == SWITCH), None)
-    present = {part.source for part in scenario.components.values() if part.is_bundled}
-    names = [name for name, models in WORLDS.items() if models & present]
+    names = worlds_of(scenario)
     if switch is not None:
         names = [name for name in switch.choices if name in names]
         if len(names) < len(switch.choices):
             return None
-    found = [radii(_alone(scenario, name), knobs) for name in names]
+    found = [radii(alone(scenario, name), knobs) for name in names]
     worlds = [
         {"name": name, **world}
         for name, world in zip(names, found, strict=True)
@@ -70,6 +64,7 @@ def radii(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | Non
     from cosim.theory.models.parameters import Parameters
     from cosim.theory.models.timing import PathDelay
     from cosim.theory.stability.spectral_radius import stability
+    from cosim.theory.stability.told import slowest_motions
 
     try:
         loop = read_loop(scenario)
@@ -96,33 +91,8 @@ def radii(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] | Non
         path = PathDelay(forward=samples - samples // 2, backward=samples // 2)
         known = stability(model, replace(loop.timing, delay=path))
         found.append(float(f"{known.spectral_radius:.6g}"))
-        modes.append(_modes(known.spectrum.values, period))
+        motions = slowest_motions(known.spectrum.values, period, MODES)
+        modes.append([[float(f"{g:.4g}"), float(f"{f:.4g}")] for g, f in motions])
     keys = [delays[0].key, *(knob.key for knob in turned)]
     axes_told = [list(axis) for axis in zip(keys, axes, strict=True)]
     return {"axes": axes_told, "radii": found, "modes": modes}
-
-
-def _modes(eigenvalues: Complex, period: float) -> list[list[float]]:
-    """Growth a second and frequency (Hz) of the largest eigenvalues, one of each pair."""
-    import numpy as np
-
-    values = eigenvalues[eigenvalues.imag >= 0.0][:MODES]
-    growth = np.clip(np.abs(values), 1e-3, 1e3) ** (1.0 / period)
-    hertz = np.angle(values) / (2 * np.pi * period)
-    return [[float(f"{g:.4g}"), float(f"{f:.4g}")] for g, f in zip(growth, hertz, strict=True)]
-
-
-def _alone(scenario: Scenario, name: str) -> Scenario:
-    """The scenario with one architecture's models alone."""
-    others = {model for world, models in WORLDS.items() if world != name for model in models}
-    kept = {
-        key: part
-        for key, part in scenario.components.items()
-        if not (part.is_bundled and part.source in others)
-    }
-    links = tuple(
-        link
-        for link in scenario.connections
-        if link.source.component in kept and link.target.component in kept
-    )
-    return replace(scenario, components=kept, connections=links)

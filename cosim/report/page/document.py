@@ -6,7 +6,7 @@ Everything is in the one file; it loads nothing from anywhere.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -16,15 +16,19 @@ from cosim.record.reader import Run
 from cosim.record.statistics import ColumnSummary
 from cosim.report.page.bundle import bundle
 from cosim.report.page.contents import contents
+from cosim.report.page.foretold import foretold_notes, foretold_rows
+from cosim.report.page.stations import station_table
 from cosim.report.page.tables import (
     channel_table,
     deadline_table,
+    energy_rows,
     measure_rows,
     provenance_rows,
     saturation_rows,
     verdict_rows,
 )
 from cosim.report.summary import facts, met
+from cosim.theory.stability.told import ToldLoop
 
 HERE = Path(__file__).parent
 LIVE = HERE.parents[1] / "live" / "page"
@@ -44,6 +48,8 @@ def write_page(
     content: Mapping[str, Any],
     summaries: Mapping[str, ColumnSummary],
     scene: Mapping[str, Any] | None = None,
+    *,
+    told: Sequence[ToldLoop] = (),
 ) -> None:
     """Write the page of a run.
 
@@ -53,6 +59,7 @@ def write_page(
         content: the run's summary (``cosim.report.summary``).
         summaries: statistics and envelope of each signal, by name.
         scene: what can be drawn of the run, where there is anything.
+        told: what the theory says of the scenario.
     """
     jinja: Any = import_module("jinja2")
     markup: Any = import_module("markupsafe").Markup
@@ -68,9 +75,13 @@ def write_page(
         failures=[*content["failures"], *content["runaways"]],
         verdicts=verdict_rows(content),
         measures=measure_rows(content),
+        theory=foretold_rows(told, run),
+        theory_notes=foretold_notes(told),
         channels=channel_table(content),
         deadlines=deadline_table(content),
+        stations=station_table(run.manifest),
         saturation=saturation_rows(run, scene),
+        energies=energy_rows(run, summaries),
         notes=notes,
         ran=provenance_rows(run, digest(run)),
         scenario=run.scenario_yaml,

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from cosim.base.meaning import Meaning
 from cosim.record.reader import Run
+from cosim.record.statistics import ColumnSummary
 from cosim.report.measures import SCENARIO_MEASURES
 from cosim.report.quantities import human
 
@@ -59,12 +61,12 @@ def deadline_table(content: Mapping[str, Any]) -> dict[str, Any] | None:
     if not found:
         return None
     rows = [
-        (key.replace("_", " "), _time(value) if isinstance(value, float) else str(value))
+        (key.replace("_", " "), seconds(value) if isinstance(value, float) else str(value))
         for key, value in found.items()
         if isinstance(value, int | float | str)
     ]
     why: Mapping[str, Mapping[str, Any]] = found.get("causes") or {}
-    causes = [(cause, str(of["misses"]), _time(of["seconds"])) for cause, of in why.items()]
+    causes = [(cause, str(of["misses"]), seconds(of["seconds"])) for cause, of in why.items()]
     histogram: Sequence[tuple[float, int]] = found.get("histogram") or ()
     bars = [(float(below), int(count)) for below, count in histogram]
     most = max((math.log1p(count) for _, count in bars), default=0.0) or 1.0
@@ -72,7 +74,11 @@ def deadline_table(content: Mapping[str, Any]) -> dict[str, Any] | None:
         "rows": rows,
         "causes": causes,
         "bars": [
-            {"below": _time(below), "count": count, "height": round(70 * math.log1p(count) / most)}
+            {
+                "below": seconds(below),
+                "count": count,
+                "height": round(70 * math.log1p(count) / most),
+            }
             for below, count in bars
         ],
     }
@@ -94,6 +100,15 @@ def saturation_rows(run: Run, scene: Mapping[str, Any] | None) -> list[Row]:
         share = at_limit / total if total else 0.0
         rows.append((finger["name"], human(limit, "N"), human(share, "1")))
     return rows
+
+
+def energy_rows(run: Run, summaries: Mapping[str, ColumnSummary]) -> list[Row]:
+    """What the users have put into each port: least, and at the end."""
+    return [
+        (name, human(summaries[name].statistics.minimum, "J"), human(float(signal[-1:][0]), "J"))
+        for name, signal in run.signals.items()
+        if signal.meaning is Meaning.PORT_ENERGY and name in summaries and signal.group.rows
+    ]
 
 
 def provenance_rows(run: Run, digest: str) -> list[Row]:
@@ -137,9 +152,9 @@ def _expected(verdict: Mapping[str, Any]) -> str:
     return " to ".join(human(each, verdict["unit"]) for each in ends)
 
 
-def _time(value: float) -> str:
-    """Seconds, as a person reads them."""
+def seconds(value: float) -> str:
+    """A time (s), as a person reads it."""
     for factor, unit in ((1.0, "s"), (1e3, "ms")):
-        if value * factor >= 1.0:
+        if abs(value) * factor >= 1.0:
             return f"{value * factor:.3g} {unit}"
     return f"{value * 1e6:.3g} µs"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column, RecordGroup
+from cosim.cli.support.run.merged_page import joined, write_merged_page
 from cosim.record import open_run
 from cosim.record.manifest import write_manifest
 from cosim.record.reader import RUN_FILE
@@ -54,3 +56,21 @@ def test_meanings_go_along_and_the_drift_between_copies_is_found(tmp_path) -> No
         assert {signal.meaning for signal in run.signals.values()} == set(POSE)
         assert summarise(run).content["measures"]["drift"] == pytest.approx(0.003 * 2**0.5)
         assert run.manifest["deadlines"] is None
+
+
+def test_the_page_has_the_stations_beside_each_other(tmp_path) -> None:
+    folders = tuple(recorded(tmp_path / name, name, 0.0) for name in "ab")
+    merged = merge_runs(folders, tmp_path / "merged")
+    with open_run(merged.folder) as run:
+        page = write_merged_page(run, folders).read_text()
+    assert "The stations beside each other" in page
+    row = re.search(r"deadlines: misses</th><td>3</td><td>3</td>", page)
+    assert row, "each station kept its own time"
+    assert "vr_a.box" in page
+    assert "vr_b.box" in page
+
+
+def test_scenes_are_joined_and_equal_things_are_one() -> None:
+    wall, a, b = [0, 0, 1, 0], {"name": "vr_a"}, {"name": "vr_b"}
+    one, other = {"boxes": [a], "walls": [wall]}, {"boxes": [b], "walls": [wall]}
+    assert joined([one, None, other]) == {"boxes": [a, b], "walls": [wall]}
