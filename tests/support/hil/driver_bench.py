@@ -69,6 +69,13 @@ SETUPS["canopen (slcan)"] = {**SETUPS["canopen"], "driver": "canopen", "emulator
     "link": "slcan"
 }
 SETUPS["cia402"] = {"parameters": QUANSER, "file": {}}
+SETUPS["cia402 (slcan)"] = {
+    **SETUPS["cia402"],
+    "driver": "cia402",
+    "emulator": "cia402",
+    "link": "slcan",
+    "apart": True,
+}
 for nodes in ((1, 2), (1, 2, 3)):
     SETUPS[f"canopen ({len(nodes)} nodes)"] = SETUPS["canopen"] | {
         "driver": "canopen",

@@ -19,7 +19,7 @@ from tests.support.hil.endings import Run
 from tests.support.machine import timed
 
 TICK = 1 / 1024
-BOARDS = ("haply", "cobs", "odrive", "canopen")
+BOARDS = ("haply", "cobs", "odrive", "canopen", "cia402")
 ANSWER = 0.03
 """What the answer that confirms a zero may take beyond it (s): an ODrive speaks every 10 ms."""
 STALL = 0.003

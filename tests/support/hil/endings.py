@@ -34,6 +34,7 @@ FILES: dict[str, dict[str, Any]] = {
         "home": QUANSER_HOME,
         "joints": [{"counts_per_turn": 20000, "drive": DRIVE}] * 2,
     },
+    "cia402": {"home": QUANSER_HOME, "joints": [{"counts_per_turn": 20000}] * 2},
 }
 """Per board: the device file."""
 URLS = {
@@ -41,6 +42,7 @@ URLS = {
     "cobs": "cobs://{port}",
     "odrive": "odrive+slcan://{port}?nodes=0,1&sleep_after_open=0",
     "canopen": "canopen+slcan://{port}?nodes=1&sleep_after_open=0",
+    "cia402": "cia402+slcan://{port}?nodes=1,2&sleep_after_open=0",
 }
 SCENARIO = """
 cohaptic: 1

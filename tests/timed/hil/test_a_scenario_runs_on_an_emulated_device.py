@@ -155,7 +155,7 @@ def test_enable_output_without_a_confirmation_is_refused(tmp_path):
         assert emulator.control.ask("state")["largest"] == 0.0
 
 
-@pytest.mark.parametrize("name", ["haply", "cobs", "odrive", "canopen"])
+@pytest.mark.parametrize("name", ["haply", "cobs", "odrive", "canopen", "cia402"])
 def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path, name):
     """A machine that stalls makes the run fault, as it has to: a sentence, and status 1.
 

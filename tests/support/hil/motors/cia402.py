@@ -1,12 +1,12 @@
 """Two CiA 402 drives in torque mode, a node each, from the profile's state diagram alone.
 
-Their shafts stand where they are. A timer or a heartbeat that runs out is reported and leads to the
-state *fault*; but what is noted is what they were told.
+Their shafts stand where they are. A timer or a heartbeat that runs out is reported and leads out of
+Operational; but what is noted is what they were told.
 """
 
 from __future__ import annotations
 
-from tests.support.hil.motors.node import Key, Node, signed
+from tests.support.hil.motors.node import PRE_OPERATIONAL, Key, Node, signed
 from tests.support.hil.motors.slcan import Lines
 from tests.support.hil.motors.told import Told
 
@@ -43,18 +43,22 @@ STEPS = {
 class Drive(Node):
     """Torque is the target while the drive is enabled."""
 
+    zeros: set[int]
+    """Drives whose demand was read as zero since a torque came; of the whole board."""
+
     def begin(self) -> None:
         super().begin()
-        self.control, self.silence = 0, 0
+        self.control, self.silence, self.late = 0, 0, False
 
     def wrote(self, key: Key) -> bool:
         if key == (0x6060, 0):
             self.entries[0x6061, 0] = self.entries[key]
-        if key == (0x1400, 5):
-            self.silence = 0
+        if key in {(0x1400, 5), (0x6040, 0)}:
+            self.silence, self.late = 0, False
         if key == (0x6040, 0):
-            self.silence = 0
             self.follow(self.entries[key])
+        if self.target():
+            self.zeros.clear()
         return key in {(0x6040, 0), (0x6071, 0)}
 
     def follow(self, control: int) -> None:
@@ -67,9 +71,6 @@ class Drive(Node):
         else:
             self.entries[0x6041, 0] = STEPS.get((now, control & 15), now)
 
-    def lost(self) -> None:
-        self.entries[0x6041, 0] = FAULT
-
     def target(self) -> int:
         if self.entries[0x6041, 0] != ENABLED:
             return 0
@@ -79,12 +80,22 @@ class Drive(Node):
         self.entries[0x6074, 0] = self.target()
         return super().sync()
 
+    def serve(self, request: bytes) -> list[Told]:
+        self.entries[0x6074, 0] = self.target()
+        return super().serve(request)
+
+    def confirms(self, key: Key) -> bool:
+        if key != (0x6074, 0) or self.entries[key]:
+            return False
+        self.zeros.add(self.number)
+        return self.zeros == set(NODES)
+
     def tick(self) -> list[Told]:
         found = super().tick()
         self.silence += 1
         limit = self.entries[0x1400, 5]
-        if limit and self.silence > limit and self.entries[0x6041, 0] != FAULT:
-            self.lost()
+        if limit and self.silence > limit and not self.late:
+            self.late, self.state = True, PRE_OPERATIONAL
             found.append(self.report(COMMANDS_MISSING))
         return found
 
@@ -95,7 +106,10 @@ class Cia402:
     def __init__(self) -> None:
         self.lines = Lines()
         self.drives: list[Drive] = []
+        zeros: set[int] = set()
         self.drives += [Drive(number, OBJECTS, SIZES, self.torques) for number in NODES]
+        for drive in self.drives:
+            drive.zeros = zeros
 
     def feed(self, data: bytes) -> list[Told]:
         found: list[Told] = []

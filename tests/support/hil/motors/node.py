@@ -67,9 +67,6 @@ class Node:
         del key
         return False
 
-    def lost(self) -> None:
-        """The master's heartbeat is missing."""
-
     # --- frames ----------------------------------------------------------------------------------
 
     def hear(self, identifier: int, content: bytes) -> list[Told]:
@@ -94,7 +91,6 @@ class Node:
             self.heard += 1
             if self.heard > limit:
                 self.missed, self.state = True, PRE_OPERATIONAL
-                self.lost()
                 found.append(self.report(HEARTBEAT_MISSING))
         return found
 
