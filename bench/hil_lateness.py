@@ -38,7 +38,8 @@ from tests.support.hil.hil_bench import Puppet, mock
 TICK = Fraction(1, 1024)
 EMULATOR_PRIORITY = 65
 ARRANGEMENTS = ("no device", "mock", "haply", "cobs", "odrive (slcan)", "odrive", "canopen (slcan)",
-                "canopen", "cia402 (slcan)", "cia402")  # fmt: skip
+                "canopen", "cia402 (slcan)", "cia402",
+                "canopen (pipelined)", "cia402 (pipelined)")  # fmt: skip
 LONGEST_ANSWER = 500
 """Longest wait for an answer (us); what is later counts as no answer."""
 

@@ -98,6 +98,7 @@ class ControlLoop:
             self._pulse.state(FINISHED)
             told.write(watched.tick)
         report.deadlines = {**self._pacer.summary(), **watched.usage.summary()}
+        report.latency = {device.name: device.latency_ticks for device in present}
         report.slow = [said for device in present if (said := device.slowness) is not None]
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)

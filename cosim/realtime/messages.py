@@ -31,6 +31,8 @@ class LoopReport:
     grants: list[Grant] = field(default_factory=list[Grant])
     slow: list[str] = field(default_factory=list[str])
     """What has to be said of boards that took no command at many ticks."""
+    latency: dict[str, int] = field(default_factory=dict[str, int])
+    """By device: ticks that its measurements are older than the FMU's."""
     facts: Mapping[str, Any] | None = None
 
 

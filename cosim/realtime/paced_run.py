@@ -102,6 +102,7 @@ class PacedRun:
             "system": grants,
             "lost_rows": self.lost_rows,
             "slow_devices": self.report.slow,
+            "latency_ticks": self.report.latency,
         }
 
     def found(self) -> Mapping[str, Any]:

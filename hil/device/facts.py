@@ -56,6 +56,11 @@ class DeviceFacts:
         return self._exchange.input_held
 
     @property
+    def latency_ticks(self) -> int:
+        """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
+        return self.driver.latency_of(self.address)
+
+    @property
     def slowness(self) -> str | None:
         """What has to be said of a board that is late as a rule, ``None`` of one in time."""
         return self._exchange.punctuality.sentence(self.name)

@@ -238,6 +238,11 @@ class Sensor:
         return self.driver.name
 
     @property
+    def latency_ticks(self) -> int:
+        """How many ticks old a new sample is."""
+        return self.driver.latency_of(self.driver.address)
+
+    @property
     def lockstep(self) -> bool:
         """Whether it is an emulator that advances exactly as far as it is asked to."""
         return self.driver.lockstep

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from cosim.base.document.form import Form
 from hil.setup.options import UrlOptions
 from hil.setup.preset import Preset
+
+if TYPE_CHECKING:
+    from hil.setup.address import DeviceAddress
 
 
 class DriverSettings(Form):
@@ -55,3 +58,9 @@ class DriverFacts:
     def preset_names(cls) -> list[str]:
         """The published devices that come with it."""
         return sorted(cls.presets)
+
+    @classmethod
+    def latency_of(cls, address: DeviceAddress) -> int:
+        """``latency_ticks`` of a device at this address: an option of its URL may add to them."""
+        del address
+        return cls.latency_ticks

@@ -63,6 +63,8 @@ class CanBus:
     """Identifiers that every tick's collection waits for, up to the deadline."""
     begin_tick: Callable[[], None] | None = None
     """What opens a tick's collection: sending SYNC."""
+    pipelined: bool = False
+    """Whether a tick begins with the answers to the last one's SYNC, and waits for none."""
     events: dict[int, list[bytes]] = field(default_factory=dict[int, "list[bytes]"])
     """Identifiers of which every frame matters, with those that nobody has taken yet."""
     extra: tuple[int, ...] = ()
@@ -72,7 +74,9 @@ class CanBus:
     _mine: set[int] = field(default_factory=set[int])
     _latest: dict[int, tuple[int, bytes]] = field(default_factory=dict[int, "tuple[int, bytes]"])
     _before: dict[int, int] = field(default_factory=dict[int, int])
-    """How many frames of an identifier there were before this tick's SYNC."""
+    """How many frames of an identifier there were before the SYNC whose answers are read."""
+    _at_sync: dict[int, int] = field(default_factory=dict[int, int])
+    """How many there were before the newest SYNC."""
     _collected: set[object] = field(default_factory=set[object])
     _stepping: bool = False
     _complaint: str | None = None
@@ -128,10 +132,12 @@ class CanBus:
             settled_counts(self.control, QUIET_AFTER_DEATH)
             self.resume()
         self._drain()
+        self._at_sync = self._counts()
 
     def resume(self) -> None:
         """Go on after somebody else has used the wire: what came for them is no answer to us."""
         self._drain(SETTLE_SECONDS)
+        self._at_sync = self._counts()
         self.count_from_here()
 
     def count_from_here(self) -> None:
@@ -160,21 +166,20 @@ class CanBus:
         if device not in self._collected and self._collected:
             self._collected.add(device)
             return
+        if self.begin_tick is not None and self.pipelined:
+            self._collect_pipelined(self.begin_tick)
+            self._collected = {device}
+            self._refuse_queue()
+            return
         if self.begin_tick is not None:
             # What is here by now answered an earlier SYNC, and does not say which.
             self._drain()
-            self._before = {name: count for name, (count, _) in self._latest.items()}
+            self._before = self._counts()
             self.begin_tick()
         self._collected = {device}
         self._refuse_queue()
         if self._stepping and self.control is not None:
-            expected, end = self.control.sync(self.sent), time.monotonic() + PATIENCE
-            late = False
-            self._drain()
-            while self._received < expected and not late:
-                late = time.monotonic() > end
-                self._drain(SETTLE_SECONDS)
-            self._received = max(self._received, expected)  # what is not here by now was lost
+            self._step(self.control)
             return
         missing = set(self.awaited)
         deadline = time.monotonic() + self.budget
@@ -185,12 +190,34 @@ class CanBus:
                 return
             missing -= self._drain(left)
 
+    def _collect_pipelined(self, begin_tick: Callable[[], None]) -> None:
+        """What came since the last SYNC answers it; then the next one."""
+        if self._stepping and self.control is not None:
+            self._step(self.control)
+        else:
+            self._drain()
+        self._before, self._at_sync = self._at_sync, self._counts()
+        begin_tick()
+
+    def _step(self, control: Control) -> None:
+        """In lock-step: let the emulator deal with all that was sent, and take what it says."""
+        expected, end = control.sync(self.sent), time.monotonic() + PATIENCE
+        late = False
+        self._drain()
+        while self._received < expected and not late:
+            late = time.monotonic() > end
+            self._drain(SETTLE_SECONDS)
+        self._received = max(self._received, expected)  # what is not here by now was lost
+
+    def _counts(self) -> dict[int, int]:
+        return {name: count for name, (count, _) in self._latest.items()}
+
     def latest(self, identifier: int) -> tuple[int, bytes] | None:
         """The newest frame of an identifier: (how many came so far, data)."""
         return self._latest.get(identifier)
 
     def answer(self, identifier: int) -> bytes | None:
-        """What answered this tick's SYNC under an identifier, ``None`` where nothing did."""
+        """What answered the SYNC whose answers are read, under an identifier; ``None``: nothing."""
         count, data = self._latest.get(identifier, (0, b""))
         return data if count > self._before.get(identifier, 0) else None
 

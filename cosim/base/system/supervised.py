@@ -60,6 +60,11 @@ class Supervised(Protocol):
         ...
 
     @property
+    def latency_ticks(self) -> int:
+        """Ticks from a torque to the first sample that can show its effect, beyond the FMU's."""
+        ...
+
+    @property
     def slowness(self) -> str | None:
         """What has to be said of a board that takes no command at many ticks."""
         ...

@@ -65,11 +65,14 @@ class DeviceJudge:
         _refuse_shared_places(everything, problems)
         self.facts["buses"] = _buses(everything, problems)
         problems.raise_if_any()
-        latency = {name: component.kind.latency_ticks for name, (component, _) in devices.items()}
+        latency = {
+            name: component.kind.latency_of(component.address)
+            for name, (component, _) in devices.items()
+        }
         self.facts["devices"] = {
             name: {
                 "url": component.address.url,
-                "latency_ticks": component.kind.latency_ticks,
+                "latency_ticks": component.kind.latency_of(component.address),
                 "needs_realtime": _lives_in_real_time(component),
                 "file": _facts_of_file(component),
             }

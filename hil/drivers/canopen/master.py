@@ -18,7 +18,9 @@ from hil.device.errors import ActivationRefused, DeviceError
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
 from hil.drivers.canopen.remote import CanopenTiming
+from hil.drivers.canopen.settings import is_pipelined
 from hil.drivers.canopen.supervision import Events, Supervision, told_under
+from hil.setup.address import DeviceAddress
 from hil.wire.can_bus import CanBus, open_bus
 from hil.wire.ownership import OwnedNodes
 from hil.wire.serial_port import PATIENCE
@@ -55,6 +57,11 @@ class CanopenMaster(Driver):
     _silent_ticks = 1
     _armed = False
     """Whether the nodes with outputs watch us, so that we beat."""
+
+    @classmethod
+    def latency_of(cls, address: DeviceAddress) -> int:
+        """One tick more where answers are read at the tick after their SYNC."""
+        return cls.latency_ticks + is_pipelined(address)
 
     def _begin(self) -> None:
         """What is known of the nodes at the start: nothing."""
@@ -96,6 +103,7 @@ class CanopenMaster(Driver):
             bus.leave(self)
             raise
         self._bus = bus
+        bus.pipelined = is_pipelined(self.address)
         bus.begin_tick = partial(bus.send, wire.SYNC)
         bus.awaited.update(wire.positions_id(node) for node in self._measuring)
         for node in self._numbers:
@@ -112,6 +120,11 @@ class CanopenMaster(Driver):
         for node in self._numbers:
             if wire.heartbeat_id(node) in bus.events:
                 raise InputError(f"CANopen node {node} on {bus.name} belongs to another device")
+        if bus.users and bus.pipelined is not is_pipelined(self.address):
+            raise InputError(
+                f"{self.name} and another device on {bus.name} disagree about 'pipelined': a bus "
+                "has one SYNC a tick; write the same in both URLs"
+            )
         others = {each.heartbeat for each in bus.users if isinstance(each, CanopenMaster)}
         self.heartbeat = next(n for n in range(wire.LAST_NODE, 0, -1) if n not in others)
         if self.heartbeat in self._numbers:

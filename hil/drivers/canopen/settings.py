@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, isfinite
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -48,7 +48,25 @@ SetupSeconds = Annotated[
 ]
 
 
-class CanopenOptions(CanOptions):
+class NodeOptions(CanOptions):
+    """Options in the URL of every device on a CANopen bus."""
+
+    pipelined: Literal["0", "1"] = Field(
+        default="0",
+        description="1: answers to a SYNC are read at the next tick: no waiting, one tick later.",
+    )
+
+
+def is_pipelined(address: DeviceAddress) -> bool:
+    """Whether answers to a SYNC are read at the next tick.
+
+    Raises:
+        InputError: the option cannot be.
+    """
+    return read_options(NodeOptions, address).pipelined == "1"
+
+
+class CanopenOptions(NodeOptions):
     """Options in a CANopen device's URL."""
 
     nodes: Nodes | None = Field(default=None, description="Node numbers; they win over the file's.")

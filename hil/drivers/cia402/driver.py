@@ -18,7 +18,7 @@ from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLo
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.master import SYNC_FRAME, CanopenMaster
 from hil.drivers.canopen.protocol import Index, Object
-from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS
+from hil.drivers.canopen.settings import LEAST_WATCHDOG_TICKS, is_pipelined
 from hil.drivers.canopen.supervision import Events
 from hil.drivers.canopen.zero_check import ZeroCheck, ZeroPoint
 from hil.drivers.cia402 import protocol as cia
@@ -135,8 +135,12 @@ class Cia402Driver(CanopenMaster):
                 for node in self._numbers
             ]
         )
+        self._asks = is_pipelined(self.address)
+        """Whether a zero is asked back by SDO: answers to a SYNC may be older than a zero."""
         self._told = False
         """Whether the last tick brought process data of all drives."""
+        self._cold = False
+        """Whether all drives were seen at zero by SDO since a torque was last sent."""
         self._zero_sent = False
         """Whether nothing but zero was sent since the last torque."""
         self._control = Controlword.VOLTAGE_OFF
@@ -152,6 +156,7 @@ class Cia402Driver(CanopenMaster):
         bus = self._opened()
         bus.collect(self)
         answered = [self._zero_check.take(*each) for each in self._sdo_answers(bus)]
+        self._cold |= any(answered)
         events = self._nodes.take(bus)
         fired = self._has_expired(events)
         found = [bus.answer(wire.positions_id(node)) for node in self._numbers]
@@ -172,7 +177,8 @@ class Cia402Driver(CanopenMaster):
         units = self._units[0], self._units[1]
         return Received(
             sample=sample_of_counts(self.file.joints, units, self._sequence),
-            zero_confirmed=self._zero_sent and all(demand == 0 for _, _, demand in answers),
+            zero_confirmed=self._zero_sent
+            and (any(answered) if self._asks else all(demand == 0 for _, _, demand in answers)),
             watchdog_fired=fired,
             enabled=all(state is DriveState.ENABLED for state in self._states.values()),
             contradiction=self._astray([demand for _, _, demand in answers]),
@@ -209,6 +215,7 @@ class Cia402Driver(CanopenMaster):
         codes = self._code(0, torque[0]), self._code(1, torque[1])
         sent = self._torque(0, codes[0]), self._torque(1, codes[1])
         self._zero_sent = codes == (0, 0) and self._zero_sent
+        self._cold = False
         self._zero_check.forget()
         self._put(Controlword.ENABLE, codes, sent)
         self._beat_if_due()
@@ -221,11 +228,13 @@ class Cia402Driver(CanopenMaster):
     def send_zero(self) -> bool:
         """Zero and the voltage off, without a heartbeat; the drives' demand confirms it.
 
-        A drive that sends no process data any more is asked by SDO, and told so if need be.
+        A drive whose process data do not come, or not in the same tick, is asked by SDO, and told
+        so if need be.
         """
         self._put(Controlword.VOLTAGE_OFF, (0, 0))
         self._zero_sent = True
-        question = None if self._told else self._zero_check.question(urgent=True)
+        needed = self._asks or not self._told
+        question = self._zero_check.question(urgent=not self._cold) if needed else None
         if question is not None:
             node, request = question
             self._opened().send(wire.sdo_request_id(node), request)

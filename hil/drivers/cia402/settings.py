@@ -12,11 +12,11 @@ from hil.drivers.canopen.settings import (
     TIMEOUT_SECONDS,
     WATCHDOG_MS,
     Milliseconds,
+    NodeOptions,
     SetupSeconds,
 )
 from hil.setup.driver_facts import DriverSettings
 from hil.setup.options import IntegersIn
-from hil.wire.can_options import CanOptions
 
 Drives = Annotated[
     tuple[int, ...],
@@ -24,7 +24,7 @@ Drives = Annotated[
 ]
 
 
-class Cia402Options(CanOptions):
+class Cia402Options(NodeOptions):
     """Options in the URL of CiA 402 drives."""
 
     nodes: Drives | None = Field(

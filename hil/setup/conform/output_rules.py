@@ -68,7 +68,7 @@ def _latency_is_as_declared(bench: ConformBench) -> None:
             driver.send((SWING * sin(tick / 20), 0.0))
         driver.send_zero()
     found = min(range(LONGEST_LATENCY), key=lambda lag: _misfit(measured, true, lag))
-    declared = bench.kind.latency_ticks
+    declared = bench.kind.latency_of(bench.address)
     if found != declared:
         raise NotConform(f"what is measured is {found} ticks old, and latency_ticks is {declared}")
 

@@ -106,6 +106,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
     driver = component.kind(component.address, parse_file(document))
     driver.pause = lambda: None
     said.append(("knows its pose", driver.knows_its_pose))
+    said.append(("latency", driver.latency_of(driver.address)))
     for call in (
         driver.open,
         driver.receive,

@@ -76,6 +76,13 @@ SETUPS["cia402 (slcan)"] = {
     "link": "slcan",
     "apart": True,
 }
+for name in ("canopen", "cia402"):
+    SETUPS[f"{name} (pipelined)"] = SETUPS[name] | {
+        "driver": name,
+        "emulator": name,
+        "url": "&pipelined=1",
+        "apart": True,
+    }
 for nodes in ((1, 2), (1, 2, 3)):
     SETUPS[f"canopen ({len(nodes)} nodes)"] = SETUPS["canopen"] | {
         "driver": "canopen",
@@ -150,7 +157,8 @@ class Bench:
         kind = find(SETUPS[name].get("driver", name))
         file = SETUPS[name]["file"] if file is None else file
         document = {"driver": kind.driver, "home": list(emulator.home), **file}
-        device = Device(kind, parse(emulator.url), parse_file(document), tick=TICK, **options)
+        url = emulator.url + SETUPS[name].get("url", "")
+        device = Device(kind, parse(url), parse_file(document), tick=TICK, **options)
         if output:
             device.permission = emulated(emulator.url, None)
         self._open.append(device)

@@ -184,10 +184,15 @@ def flipped(data: bytes) -> bytes:
 
 
 @contextmanager
-def on_motors(board: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Device, MotorWire]]:
-    """An active device with output on motors at rest; its ticks pass by ``wire.tick`` alone."""
+def on_motors(name: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Device, MotorWire]]:
+    """An active device with output on motors at rest; its ticks pass by ``wire.tick`` alone.
+
+    ``name`` is a board's, with ", pipelined" behind it where it is to be.
+    """
+    board, _, pipelined = name.partition(", ")
     wire, kind = MotorWire(board), find(board)
     url = f"{board}+fake://can0?nodes={NODES[board]}" if board in NODES else f"{board}:///dev/none"
+    url += "&pipelined=1" if pipelined else ""
     if board in SERIAL:
         monkeypatch.setattr(SERIAL[board], "SerialPort", lambda *_: wire)
     else:

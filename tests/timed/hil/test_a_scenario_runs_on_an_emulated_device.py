@@ -175,5 +175,6 @@ def test_in_real_time_the_same_command_runs_on_the_clock(tmp_path, name):
     folder, summary = timed(paced, tolerates=2e-3)
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["deadlines"]["ticks"] == summary["ticks"] == TICKS
+    assert list(manifest["deadlines"]["latency_ticks"].values()) == [find(name).latency_ticks]
     assert np.isfinite(signal(folder, "vr_a.box_pose.y")).all()
     assert set(signal(folder, "finger_a1.status")) == {11}

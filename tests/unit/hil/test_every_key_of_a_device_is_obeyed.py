@@ -216,6 +216,8 @@ OPTIONS: dict[Key, tuple[str, str]] = {
         f"cia402+{SLCAN}",
         f"cia402+{SLCAN}?sleep_after_open=1",
     ),
+    ("CanopenOptions", "pipelined"): (CANOPEN, f"{CANOPEN}?pipelined=1"),
+    ("Cia402Options", "pipelined"): (DRIVES, f"{DRIVES}?pipelined=1"),
     ("QuanserOptions", "encoders"): (QUANSER_CARD, f"{QUANSER_CARD}?encoders=2,3"),
     ("QuanserOptions", "outputs"): (QUANSER_CARD, f"{QUANSER_CARD}?outputs=2,3"),
     ("NidaqmxOptions", "counters"): (NI, f"{NI}?counters=2,3"),
