@@ -15,7 +15,7 @@ from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.terminal.complete import runs_and_signals
-from cosim.cli.support.values import FIGURES, OutputFile, Quantity
+from cosim.cli.support.values import PLOTS, OutputFile, Quantity
 
 if TYPE_CHECKING:
     from cosim.record.reader import Run
@@ -52,8 +52,8 @@ KINDS = ("time", "difference", "spectrum", "phase", "histogram")
 @click.option("--title", default="", help="A line above the figure.")
 @click.option(
     "--out",
-    type=OutputFile(FIGURES),
-    help="The figure.  [default: plot.png in the run]",
+    type=OutputFile(PLOTS),
+    help="The figure; an .html is one page that is zoomed.  [default: plot.png in the run]",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(
@@ -81,6 +81,8 @@ def command(
     with ExitStack() as stack:
         runs, patterns = _sorted(what, stack)
         series = select(runs, patterns)
+        if out is not None and out.suffix.lower() == ".html":
+            _refuse_width(width)
         if patterns:
             target = out or runs[0].folder / "plot.png"
             draw(DRAWN[kind](series, Span(start, until)), target, width=width, title=title)
@@ -102,6 +104,14 @@ def command(
         click.echo(json.dumps({"figure": str(target), "signals": [t.label for t in series]}))
     else:
         click.echo(str(target))
+
+
+def _refuse_width(width: str) -> None:
+    """A page is as wide as its window."""
+    if width != "two":
+        raise InputError(
+            f"--width {width}: a page is as wide as its window; leave it out, or name a .pdf."
+        )
 
 
 def _sorted(what: tuple[str, ...], stack: ExitStack) -> tuple[list[Run], list[str]]:

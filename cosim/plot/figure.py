@@ -8,7 +8,16 @@ from typing import Any
 
 from cosim.plot.kinds import Line, Panel
 from cosim.plot.series import reduced
-from cosim.plot.style import COLOURS, LINES, WIDTHS, new_figure, save, styled, thickness
+from cosim.plot.style import (
+    COLOURS,
+    LINES,
+    PAGE_FORMAT,
+    WIDTHS,
+    new_figure,
+    save,
+    styled,
+    thickness,
+)
 
 POINTS = 4000
 """Points of a line: two for each of the pixels that a figure is wide at most."""
@@ -23,11 +32,16 @@ SHARE = 0.62
 
 
 def draw(panels: Sequence[Panel], out: Path, *, width: str = "two", title: str = "") -> None:
-    """Draw panels below one another into a file (png, svg or pdf).
+    """Draw panels below one another into a file (png, svg or pdf; or html, which has no width).
 
     Raises:
         InputError: the file cannot be written, or its ending is no format.
     """
+    if out.suffix.lower() == PAGE_FORMAT:
+        from cosim.plot.page.document import draw_page
+
+        draw_page(panels, out, title)
+        return
     wide = WIDTHS[width]
     heights = [_height(panel, wide) for panel in panels]
     with styled():

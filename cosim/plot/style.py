@@ -19,6 +19,8 @@ LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)))
 WIDTHS = {"one": 88.0, "two": 180.0}
 """Width (mm) of one and of two columns, of journals such as those of the IEEE and Elsevier."""
 FORMATS = (".png", ".svg", ".pdf")
+PAGE_FORMAT = ".html"
+"""What signals are drawn as for a browser, besides."""
 DPI = 300
 MM_PER_INCH = 25.4
 

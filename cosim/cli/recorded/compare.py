@@ -13,7 +13,7 @@ import click
 
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.terminal.complete import run_folders
-from cosim.cli.support.values import FIGURES, OutputFile
+from cosim.cli.support.values import PLOTS, OutputFile
 
 if TYPE_CHECKING:
     from cosim.record.reader import Run
@@ -28,7 +28,7 @@ DRAWN = 4
 @click.argument("other", type=click.Path(path_type=Path), shell_complete=run_folders)
 @click.option(
     "--figure",
-    type=OutputFile(FIGURES),
+    type=OutputFile(PLOTS),
     help="Draw the first signals that differ, both runs over one another.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")

@@ -12,6 +12,8 @@ import click
 LONGEST_WATCH = 1e7
 """Seconds, some four months: no watching, waiting or measuring is meant to be longer."""
 FIGURES = (".png", ".svg", ".pdf")
+PLOTS = (*FIGURES, ".html")
+"""What signals can be drawn as: pictures, and a page for a browser."""
 
 
 class Number(click.FloatRange):

@@ -11,10 +11,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from cosim.plot.page.bundle import bundle
 from cosim.record.digest import digest
 from cosim.record.reader import Run
 from cosim.record.statistics import ColumnSummary
-from cosim.report.page.bundle import bundle
 from cosim.report.page.contents import contents
 from cosim.report.page.foretold import foretold_notes, foretold_rows
 from cosim.report.page.stations import station_table

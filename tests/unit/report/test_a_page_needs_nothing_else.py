@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cosim.plot.page.bundle import bundle
 from cosim.reading import load
 from cosim.record.reader import open_run
 from cosim.record.scene import read_scene
-from cosim.report.page.bundle import bundle
 from cosim.report.page.contents import FULL, contents
 from cosim.report.page.pack import unpack
 from cosim.run import run_scenario
