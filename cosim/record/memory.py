@@ -29,7 +29,10 @@ def largest_sizes(sink: MemorySink) -> dict[str, float]:
     found: dict[str, float] = {}
     for number, group in enumerate(sink.groups):
         cells = sink.rows(number)
-        sizes = np.fmax.reduce(np.abs(cells.view(np.float64)), axis=0, initial=0.0)
-        for column, size in zip(group.columns, sizes.tolist(), strict=True):
+        sizes = np.abs(cells.view(np.float64))
+        largest = np.maximum.reduce(sizes, axis=0, initial=0.0)
+        if np.isnan(largest).any():  # the slower way looks past what is no number
+            largest = np.fmax.reduce(sizes, axis=0, initial=0.0)
+        for column, size in zip(group.columns, largest.tolist(), strict=True):
             found[column.name] = size if column.is_float else 0.0
     return found

@@ -219,6 +219,7 @@ class Run:
         self.manifest: Mapping[str, Any] = manifest
         """What ran, where, and how it ended; see docs/record.md. Empty where there is none."""
         self._close = close
+        self._timed: tuple[NDArray[np.int64] | None, NDArray[np.float64]] = None, np.zeros(0)
         self.base_rate = base_rate
         """Base ticks a second (Hz)."""
         self.start_tick = start_tick
@@ -266,9 +267,14 @@ class Run:
 
     def seconds(self, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
         """Times (s) of base ticks: one division by the base rate, so rounded once."""
+        if ticks is self._timed[0]:
+            return self._timed[1]
         rate = self.base_rate
         since_0 = (ticks + self.start_tick) * rate.denominator
-        return np.divide(since_0, rate.numerator, dtype=np.float64)
+        seconds = np.divide(since_0, rate.numerator, dtype=np.float64)
+        if not ticks.flags.writeable:  # they stay what they are
+            self._timed = ticks, seconds
+        return seconds
 
     @property
     def span(self) -> tuple[float, float]:

@@ -95,6 +95,8 @@ class MemoryStore:
         self.rows = self.capacity = len(cells)
         self._columns = sink.groups[group].columns
         self._cells = cells
+        self._ticks: tuple[tuple[int, int], NDArray[np.int64]] | None = None
+        """Those that were asked for last: every measure of a run asks for the same."""
         self._rows = {column.name: row for row, column in enumerate(self._columns)}
         self._texts = [
             RecordedText(column, tuple(sink.text(group, number)))
@@ -102,8 +104,12 @@ class MemoryStore:
         ]
 
     def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
-        return np.arange(start, stop, dtype=np.int64) * self.period
+        """Base ticks of rows ``start`` to ``stop``, shape (stop - start,); not to be changed."""
+        if self._ticks is None or self._ticks[0] != (start, stop):
+            ticks = np.arange(start, stop, dtype=np.int64) * self.period
+            ticks.flags.writeable = False
+            self._ticks = (start, stop), ticks
+        return self._ticks[1]
 
     @property
     def names(self) -> Collection[str]:

@@ -39,11 +39,14 @@ class Window:
         self._span = [0.0, 0.0]
         self.first = math.nan
         self.last = math.nan
-        self.losses = 0
-        """How often the value fell from anything to zero."""
+        self._losses = 0
         self._statistics: ColumnStatistics | None = None
         self._waiting: NDArray[np.float64] | None = None
         """The last rows taken: where they are all there are, an extreme needs no statistics."""
+        self._uncounted: NDArray[np.float64] | None = None
+        """The last rows taken, as long as nobody has asked for the losses in them."""
+        self._unmeasured: NDArray[np.float64] | None = None
+        """The same for how far the values lie apart in each half."""
         self._normal = np.zeros((3, 3))
         self._right = np.zeros(3)
 
@@ -54,12 +57,14 @@ class Window:
         if self.rows == 0:
             self.first = self.last = float(values[0])
             self._span = [float(time[0]), float(time[0])]
-        ended = (values[:-1] != 0) & (values[1:] == 0)
-        self.losses += int(np.count_nonzero(ended)) + int(self.last != 0 and values[0] == 0)
-        self.last = float(values[-1])
         if self._waiting is not None:
+            self._losses = self.losses
+            self._widen()
             self._merge(self._waiting)
+        self._losses += int(self.last != 0 and values[0] == 0)
+        self.last = float(values[-1])
         self._waiting, self._times = values, time
+        self._uncounted = self._unmeasured = values
         self._span[1] = float(time[-1])
         if self.frequency is not None:
             angle = self.frequency * time
@@ -72,6 +77,14 @@ class Window:
         """Rows taken so far."""
         waiting = 0 if self._waiting is None else self._waiting.size
         return waiting + (0 if self._statistics is None else self._statistics.rows)
+
+    @property
+    def losses(self) -> int:
+        """How often the value fell from anything to zero."""
+        if (values := self._uncounted) is not None:
+            self._losses += int(np.count_nonzero((values[:-1] != 0) & (values[1:] == 0)))
+            self._uncounted = None
+        return self._losses
 
     @property
     def minimum(self) -> float:
@@ -108,17 +121,23 @@ class Window:
         The logarithm of how much wider the values lie in the second half than in the first, over
         the time from the middle of the one to that of the other; 0 where nothing moves.
         """
-        _ = self.statistics  # what is waiting is merged
+        self._widen()
         widths = [max(high - low, _NARROW) for low, high in self._halves]
         between = (self._span[1] - self._span[0]) / 2
         return math.log(widths[1] / widths[0]) / between if between > 0 else math.nan
 
     def _merge(self, values: NDArray[np.float64]) -> None:
+        self._kept.update(np.ascontiguousarray(values).view(np.int64)[None])
+
+    def _widen(self) -> None:
+        """Take the last rows into the extremes of the halves, once."""
+        values, self._unmeasured = self._unmeasured, None
+        if values is None:
+            return
         edge = int(np.searchsorted(self._times, self._middle))
         for half, part in zip(self._halves, (values[:edge], values[edge:]), strict=True):
             half[0] = float(np.fmin.reduce(part, initial=half[0]))
             half[1] = float(np.fmax.reduce(part, initial=half[1]))
-        self._kept.update(np.ascontiguousarray(values).view(np.int64)[None])
 
     @property
     def amplitude(self) -> float:

@@ -37,6 +37,8 @@ def with_files(scenario: Scenario, participants: Mapping[str, Participant]) -> S
         if changed[name].kind is Kind.PYTHON:
             source = file_source(changed[name].source, scenario.file.parent)
             changed[name] = replace(changed[name], source=source)
+    if changed == scenario.components:
+        return scenario
     return replace(scenario, components=changed)
 
 

@@ -59,7 +59,7 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
         scenario = with_files(scenario, others)
         scenario = replace(scenario, components={**scenario.components, **kept})
         follow_rates(scenario, others, problems)
-    else:
+    elif scenario.components is not before.components:
         scenario = replace(scenario, components=before.components)
     knobs = Knobs(scenario, participants)
     if assembly.knobs.all:

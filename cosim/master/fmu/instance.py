@@ -102,6 +102,8 @@ class Fmu:
 
     def said(self) -> tuple[Said, ...]:
         """What the FMU logged as a warning or worse, and what it changed outside of itself."""
+        if not self._changed and not self._lapses:
+            return self._log.said()
         changed = (
             Said("warning", f"it changed {what}, which was put back", count)
             for what, count in self._changed.items()
