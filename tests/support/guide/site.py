@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from pathlib import Path
 from posixpath import normpath, relpath
 from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))  # MkDocs loads a hook as no part of a package
+from notebooks import files as notebooks, page_of  # noqa: I001
 
 ROOT = Path(__file__).parents[3]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
@@ -26,6 +30,7 @@ def on_files(files: Any, config: Any) -> Any:
         "reference/python.md": python_api(),
         "reference/models.md": models(),
         **{f"reference/models/{name}.md": text for name, text in model_pages().items()},
+        **{f"notebooks/{file.stem}.md": page_of(file) for file in notebooks()},
     }
     for place, text in made.items():
         files.append(File.generated(config, place, content=text))
