@@ -61,6 +61,8 @@ class Followed:
         self._watcher = Watcher(path)
         self.content = self._watcher.content
         self.rate = float(self.content["rate"])
+        self.start = float(self.content["start"])
+        """Model time (s) of tick 0."""
         self.scene: dict[str, Any] = self.content.get("scene") or {}
         self._groups = [self._open(group) for group in self.content["groups"]]
         self._place = {
@@ -101,7 +103,7 @@ class Followed:
     def time(self) -> float:
         """Of the newest row (s)."""
         ends = [(g.first + len(g.rows) - 1) * g.period for g in self._groups if len(g.rows)]
-        return max(ends, default=0) / self.rate
+        return self.start + max(ends, default=0) / self.rate
 
     def newest(self) -> list[float | None]:
         """The newest value of each of ``scene_signals``."""
@@ -127,9 +129,8 @@ class Followed:
                 continue
             part = max(1, -(-(end - begin) // (POINTS // 2)))
             times, values = _thinned(group, wanted, begin, part)
-            found.append(
-                {"g": number, "t": (times * group.period / self.rate).tolist(), "y": values}
-            )
+            seconds = self.start + times * group.period / self.rate
+            found.append({"g": number, "t": seconds.tolist(), "y": values})
         return found
 
     def close(self) -> None:

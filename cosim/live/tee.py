@@ -49,7 +49,8 @@ def run_watched(
 
     scenario, groups = simulation.scenario, simulation.groups
     rings = make_rings(groups, scenario.base_rate)
-    feed = Feed(scenario.name, float(scenario.base_rate), {}, rings)
+    start = float(scenario.start_time)
+    feed = Feed(scenario.name, float(scenario.base_rate), {}, rings, start=start)
     try:
         scene = describe_scene(simulation.assembly, groups)
         feed.publish(groups, None, {"scene": scene, "starter": starter})

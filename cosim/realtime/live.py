@@ -63,14 +63,30 @@ class Feed:
     """The rings of one run; the command's process makes it, the loop fills it."""
 
     def __init__(
-        self, name: str, rate: float, devices: Mapping[str, Opens], rings: Sequence[Ring] = ()
+        self,
+        name: str,
+        rate: float,
+        devices: Mapping[str, Opens],
+        rings: Sequence[Ring] = (),
+        *,
+        start: float = 0.0,
     ) -> None:
+        """Make the ring of the loop's status.
+
+        Args:
+            name: of the scenario.
+            rate: base ticks a second.
+            devices: by component.
+            rings: what is recorded.
+            start: model time (s) of tick 0.
+        """
         self.status = Ring.create(len(LOOP_CELLS) + len(DEVICE_CELLS) * len(devices), STATUS_ROWS)
         self.path = shared_folder() / f"{PREFIX}{os.getpid()}-{id(self):x}.json"
         self._content: dict[str, Any] = {
             "name": name,
             "pid": os.getpid(),
             "rate": rate,
+            "start": start,
             "folder": None,
             "status": str(self.status.path),
             "devices": {

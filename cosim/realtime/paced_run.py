@@ -204,7 +204,13 @@ class _Run:
         self._rate: Fraction = simulation.scenario.base_rate
         self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
         self._more = paced.about(simulation) if paced.about is not None else None
-        self.feed = Feed(simulation.scenario.name, float(self._rate), self._parts, self.rings)
+        self.feed = Feed(
+            simulation.scenario.name,
+            float(self._rate),
+            self._parts,
+            self.rings,
+            start=float(simulation.scenario.start_time),
+        )
 
     # --- devices ---------------------------------------------------------------------------------
 

@@ -121,7 +121,7 @@ class Watcher:
             )
         return LoopStatus(
             tick=int(row[0]),
-            time=float(row[0]) / float(self.content["rate"]),
+            time=float(self.content["start"]) + float(row[0]) / float(self.content["rate"]),
             misses=int(row[1]),
             slipped=int(row[2]),
             worst=float(row[3]),

@@ -224,7 +224,8 @@ SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
     ),
     "force_ripple": ScenarioMeasure(
         "N",
-        "rms deviation of the normal force from its mean in the hold phase, of the worst contact",
+        "rms deviation of the normal force from its mean in the hold phase, of the worst contact "
+        "(of two worlds, in either of them)",
         _force_ripple,
         of_hold_phase=True,
     ),
@@ -239,7 +240,8 @@ SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
     ),
     "saturated_ticks": ScenarioMeasure(
         "",
-        "ticks in which a finger was to be given more force than its device can, over all fingers",
+        "ticks in which a finger was to be given more force than its device can, over all fingers; "
+        "of two worlds, each counts what it asks for, felt or not",
         _saturated_ticks,
     ),
 }

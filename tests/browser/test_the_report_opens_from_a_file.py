@@ -113,6 +113,21 @@ def test_the_scene_moves_by_keyboard_and_plays(chromium, minute):
         assert page.locator("#play").inner_text() == "Play"
 
 
+def test_clock_and_axes_show_the_models_time(chromium, tmp_path):
+    sets = ["duration=2 s", "start_time=100 s", "expect={}"]
+    done = run_scenario(load("single_axis_distributed", (), sets), tmp_path / "run", page=True)
+    with opened(chromium, done.folder) as page:
+        assert page.locator("#clock").inner_text() == "100.000 s"
+        assert page.evaluate("['min', 'max'].map((end) => Number(time[end]))") == [100, 102]
+        page.locator("#scene").focus()
+        page.keyboard.press("End")
+        assert page.locator("#clock").inner_text() == "102.000 s"
+        page.keyboard.press("Home")
+        assert page.locator("#clock").inner_text() == "100.000 s"
+        page.locator("#plots .u-over").first.click()
+        assert float(page.locator("#clock").inner_text().split()[0]) == pytest.approx(101, abs=0.05)
+
+
 def test_a_signal_is_added_by_its_name_and_a_plot_closed(chromium, minute):
     with opened(chromium, minute) as page:
         before = page.locator("#plots figure").count()

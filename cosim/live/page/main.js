@@ -212,7 +212,8 @@ function readouts() {
   }
   if (newest.status) {
     const { misses, worst, slipped } = newest.status;
-    add("Deadlines missed", `${misses}, ${slipped} slipped`, "misses");
+    add("Deadlines missed", String(misses), "misses");
+    add("Ticks slipped", String(slipped), "slipped");
     add("Latest tick", number(worst * 1e3, 2, "ms"), "worst");
   }
   add("Frame's age", number(ages.at(0.5), 0, "ms"), "frame-age");
@@ -221,6 +222,7 @@ function readouts() {
   if (latency.count > 20) {
     add("Pointer to picture", `${latency.at(0.5).toFixed(0)} ms, 99 %: ${latency.at(0.99).toFixed(0)}`, "latency");
   }
+  $("how").hidden = latency.count <= 20;
   $("readouts").replaceChildren(...rows.map(([name, value, key]) => {
     const row = document.createElement("div");
     const term = document.createElement("dt");
@@ -228,7 +230,6 @@ function readouts() {
     term.textContent = name;
     detail.textContent = value;
     detail.dataset.key = key;
-    if (key === "latency") row.title = "From the pointer's event to the canvas drawn with the tick that used it";
     row.append(term, detail);
     return row;
   }));
@@ -287,6 +288,7 @@ function takeSeats(told) {
   const playing = run?.scene.pointers.length > 0;
   $("controls").hidden = !playing;
   $("help").hidden = !playing;
+  $("stage").classList.toggle("playing", playing);
   $("second").hidden = told.users.length < 2;
   scene.own = told.user;
   const pointer = run?.scene.pointers.find((each) => each.station === told.user);
@@ -319,12 +321,14 @@ function showKnobs(knobs) {
     if (knob.choices.length) shown.querySelectorAll("input")[knob.value].checked = true;
     else {
       if (document.activeElement !== shown || !shown.matches(":active")) shown.value = knob.value;
-      shown.nextElementSibling.textContent = `${knob.value} ${knob.unit}`;
+      shown.nextElementSibling.textContent = amount(knob.value, knob.unit);
     }
   }
 }
 
 const turn = (knob, value) => connection.say({ knobs: { [knob.key]: value } });
+
+const amount = (value, unit) => `${value} ${unit === "samples" && Number(value) === 1 ? "sample" : unit}`;
 
 function slider(knob) {
   const row = document.createElement("label");
@@ -335,7 +339,7 @@ function slider(knob) {
   const shown = document.createElement("output");
   input.addEventListener("input", () => {
     turn(knob, Number(input.value));
-    shown.textContent = `${input.value} ${knob.unit}`;
+    shown.textContent = amount(input.value, knob.unit);
   });
   row.append(knob.label, input, shown);
   return input;

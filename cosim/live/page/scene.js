@@ -274,6 +274,17 @@ export class Scene {
     pen.fill();
   }
 
+  /** A word that can be read over whatever is drawn beneath it. */
+  #text(word, x, y) {
+    const pen = this.#context;
+    pen.strokeStyle = colours.ground;
+    pen.fillStyle = colours.ink;
+    pen.lineWidth = 4;
+    pen.lineJoin = "round";
+    pen.strokeText(word, x, y);
+    pen.fillText(word, x, y);
+  }
+
   #linkage(finger) {
     const tip = this.#pair(finger.position);
     const angles = this.#pair(finger.device.angles);
@@ -347,10 +358,9 @@ export class Scene {
     pen.beginPath();
     pen.arc(x, y, 8, 0, 7);
     mark(pen, x, y, state, colour);
-    pen.fillStyle = colours.ink;
     pen.textAlign = "center";
     const side = box && point[1] < (this.#pair(box.pose) ?? [0, 0])[1] ? 22 : -14;
-    pen.fillText(label(finger), x, y + side);
+    this.#text(label(finger), x, y + side);
   }
 
   #cone(point, box, colour) {
@@ -417,9 +427,8 @@ export class Scene {
     pen.fillStyle = user(index);
     const [px, py] = this.#at(x, y);
     pen.fillRect(px - 12, py - 9, 24, 18);
-    pen.fillStyle = colours.ink;
     pen.textAlign = "left";
-    pen.fillText(body.name, px + 18, py + 4);
+    this.#text(body.name, px + 18, py + 4);
   }
 
   #scales(view) {

@@ -71,6 +71,7 @@ def contents(
         for name, signal in run.signals.items()
     ]
     return {
+        "start": float(run.start_tick / run.base_rate),
         "duration": float(run.ticks / run.base_rate),
         "signals": signals,
         "panels": panels,

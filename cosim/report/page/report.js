@@ -35,10 +35,11 @@ async function unpack({ rows, low, step, data: text }) {
 const clock = document.getElementById("clock");
 const slider = document.getElementById("time");
 const watchers = [];
-let now = 0;
+const [START, END] = [data.start, data.start + data.duration]; // the model's time (s)
+let now = START;
 
 function moveTo(time) {
-  now = Math.min(Math.max(time, 0), data.duration);
+  now = Math.min(Math.max(time, START), END);
   slider.value = now;
   clock.textContent = `${now.toFixed(3)} s`;
   for (const watcher of watchers) watcher(now);
@@ -48,7 +49,7 @@ function moveTo(time) {
 
 const plots = [];
 const parent = document.getElementById("plots");
-let range = [0, data.duration];
+let range = [START, END];
 
 async function columns(name) {
   const signal = byName.get(name);
@@ -103,16 +104,16 @@ async function addPlot(names, unit) {
 
 /** Times and columns of the rows in view; of many, the least and greatest of each few. */
 function visible(columns, period) {
-  const first = Math.max(0, Math.floor(range[0] / period) - 1);
-  const last = Math.min(columns[0].length, Math.ceil(range[1] / period) + 2);
+  const first = Math.max(0, Math.floor((range[0] - START) / period) - 1);
+  const last = Math.min(columns[0].length, Math.ceil((range[1] - START) / period) + 2);
   const size = Math.ceil((last - first) / POINTS);
   if (size <= 2) {
     const rows = Math.max(0, last - first);
-    const time = Float64Array.from({ length: rows }, (_, row) => (first + row) * period);
+    const time = Float64Array.from({ length: rows }, (_, row) => START + (first + row) * period);
     return [time, ...columns.map((column) => Array.from(column.subarray(first, last), known))];
   }
   const bins = Math.ceil((last - first) / size);
-  const time = Float64Array.from({ length: 2 * bins }, (_, row) => (first + (row * size) / 2) * period);
+  const time = Float64Array.from({ length: 2 * bins }, (_, row) => START + (first + (row * size) / 2) * period);
   return [time, ...columns.map((column) => {
     const found = new Array(2 * bins);
     for (let bin = 0; bin < bins; bin++) {
@@ -194,7 +195,7 @@ function options(lines, items) {
             moveTo(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
           }
         });
-        plot.over.addEventListener("dblclick", () => zoom(0, data.duration));
+        plot.over.addEventListener("dblclick", () => zoom(START, END));
       }],
     },
   };
@@ -248,10 +249,10 @@ async function showScene() {
   scene.show(data.scene, data.poses.map((pose) => pose.name));
   const at = (time) => data.poses.map(({ period }, index) => {
     const found = poses[index];
-    const value = found[Math.min(found.length - 1, Math.floor(time / period + 1e-9))];
+    const value = found[Math.min(found.length - 1, Math.floor((time - START) / period + 1e-9))];
     return Number.isNaN(value) ? null : value;
   });
-  scene.take(0, at(0));
+  scene.take(START, at(START));
   watchers.push((time) => {
     scene.take(time, at(time));
     scene.draw();
@@ -266,7 +267,7 @@ async function showScene() {
     const time = now + ((stamp - last) / 1000) * Number(speed.value);
     last = stamp;
     moveTo(time);
-    if (now >= data.duration) stop();
+    if (now >= END) stop();
     else requestAnimationFrame(step);
   };
   const stop = () => {
@@ -275,26 +276,26 @@ async function showScene() {
     play.setAttribute("aria-pressed", "false");
   };
   const start = () => {
-    if (now >= data.duration) moveTo(0);
+    if (now >= END) moveTo(START);
     last = performance.now();
     play.textContent = "Pause";
     play.setAttribute("aria-pressed", "true");
     requestAnimationFrame(step);
   };
   play.onclick = () => (last === null ? start() : stop());
-  slider.max = data.duration;
+  [slider.min, slider.max] = [START, END];
   slider.oninput = () => moveTo(Number(slider.value));
   slider.addEventListener("pointerdown", stop);
   document.getElementById("scene").onkeydown = (event) => {
     const steps = { ArrowLeft: -0.05, ArrowRight: 0.05, ",": -1 / 1024, ".": 1 / 1024 };
     if (event.key === " ") play.click();
     else if (event.key in steps) moveTo(now + steps[event.key]);
-    else if (event.key === "Home") moveTo(0);
-    else if (event.key === "End") moveTo(data.duration);
+    else if (event.key === "Home") moveTo(START);
+    else if (event.key === "End") moveTo(END);
     else return;
     event.preventDefault();
   };
-  moveTo(0);
+  moveTo(START);
 }
 
 function legend(scene) {

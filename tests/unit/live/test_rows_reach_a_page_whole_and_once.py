@@ -19,11 +19,14 @@ COLUMNS = [
     SimpleNamespace(name="a.state", unit=None, is_float=False),
 ]
 
+START = 100.0
+"""Model time (s) of tick 0."""
+
 
 @pytest.fixture
 def run() -> Iterator[tuple[Followed, Ring]]:
     ring = Ring.create(2, capacity=8192)
-    feed = Feed("bench", 1000.0, {}, [ring])
+    feed = Feed("bench", 1000.0, {}, [ring], start=START)
     feed.publish([SimpleNamespace(name="control", period=1, columns=COLUMNS)])
     followed = Followed(feed.path)
     yield followed, ring
@@ -54,10 +57,10 @@ def test_two_viewers_have_the_same_rows_however_often_they_ask(
             found += entry["y"]["a.force"]
     (late,) = followed.since(["a.force", "a.state"], slow)
     assert found == late["y"]["a.force"] == np.arange(200.0).tolist()
-    assert late["t"] == pytest.approx((np.arange(200) / 1000).tolist())
+    assert late["t"] == pytest.approx((START + np.arange(200) / 1000).tolist())
     assert late["y"]["a.state"][:5] == [0, 1, 2, 3, 0]
     assert followed.newest() == []
-    assert followed.time == pytest.approx(0.199)
+    assert followed.time == pytest.approx(START + 0.199)
 
 
 def test_many_rows_at_once_keep_every_peak(run: tuple[Followed, Ring]) -> None:

@@ -1,0 +1,1 @@
+"""The live page beside a loop that keeps its pace."""
