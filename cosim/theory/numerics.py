@@ -129,10 +129,11 @@ def largest_eigenvalue_of_map(
         accuracy: relative.
     """
     linalg: Any = import_module("scipy.sparse.linalg")
+    # A slow swing's |λ|² and λ² are nearly alike in size: the largest of three.
     operator = linalg.LinearOperator((start.size, start.size), matvec=apply, dtype=np.float64)
     try:
         values: Any = linalg.eigs(
-            operator, k=1, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=accuracy
+            operator, k=3, ncv=40, which="LM", v0=start, return_eigenvectors=False, tol=accuracy
         )
     except linalg.ArpackNoConvergence:
         # Crowded spectra: fall back on the whole matrix.

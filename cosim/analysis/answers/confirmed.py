@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from cosim.analysis.answers.asked import ask
-from cosim.analysis.answers.chance import fate_maps, mean_square_at
+from cosim.analysis.answers.chance import with_losses
 from cosim.analysis.single_axis import paths_of_leaves
 from cosim.base.errors import InputError
 from cosim.scenario.load import read
 from cosim.theory.chance.network import Network
-from cosim.theory.chance.packets import bernoulli
 from cosim.theory.design.corners import Corner, corners_of
 from cosim.theory.design.search import Design
 from cosim.theory.models.parameters import Parameters
@@ -56,7 +55,7 @@ def _radius(parameters: Parameters, network: Network, found: Design, corner: Cor
         point = asked.point()
         if not corner.loses:
             return point.spectrum().radius
-        return mean_square_at(fate_maps(point), lambda d: bernoulli(network.loss, d)) ** 0.5
+        return with_losses(point).radius(network.loss) ** 0.5
 
 
 def _factor(corner: Corner, leaf: str) -> float:

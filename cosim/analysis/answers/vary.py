@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cosim.analysis.answers.asked import AskedRun
-from cosim.analysis.answers.chance import critical_run_loss, fate_maps
+from cosim.analysis.answers.chance import own_chance, with_losses
 from cosim.analysis.monodromy.point import Point
+from cosim.analysis.monodromy.spectrum import SETTLED
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
 from cosim.theory.stability.margins import FURTHEST_DELAY, FURTHEST_GAIN, Margins
@@ -43,13 +45,13 @@ class _Along:
     def _radius(self, value: float) -> float:
         if self._asked.point().run.is_linear:
             sets = self._sets(value)
-            found = self._asked.point(sets).spectrum().radius
+            found = deciding_radius(self._asked.point(sets))
             self._asked.forget(sets)
             return found
         for between in self._steps(value):
             self._step(between)
         assert self._near is not None
-        return self._near.spectrum().radius
+        return deciding_radius(self._near)
 
     def _steps(self, value: float) -> list[float]:
         """Values on the way from where the last operating point is."""
@@ -66,6 +68,12 @@ class _Along:
         self._at = value
         if before is not None and last is not None and last != value:
             self._asked.forget(self._sets(last))
+
+
+def deciding_radius(point: Point) -> float:
+    """Of the map; where packets draw their fates, the root of that of the second moments."""
+    chance = own_chance(point)
+    return point.spectrum().radius if chance is None else math.sqrt(chance.radius())
 
 
 def intervals_of_run(
@@ -103,10 +111,10 @@ def run_margins(asked: AskedRun) -> Margins:
     Raises:
         InputError: the run itself is unstable.
     """
-    found = asked.point().spectrum()
-    if not found.stable:
+    radius = deciding_radius(asked.point())
+    if radius >= 1.0 - SETTLED:
         raise InputError(
-            f"This run is unstable (spectral radius {found.radius:.6g}), so it has no margins: "
+            f"This run is unstable (spectral radius {radius:.6g}), so it has no margins: "
             "lower the network couplers' stiffness or the delay first."
         )
     far = _far_components(asked.scenario)
@@ -128,7 +136,7 @@ def run_margins(asked: AskedRun) -> Margins:
         if crosses
         else None,
         delay=_delay_margin(asked) if crosses else None,
-        loss=critical_run_loss(fate_maps(asked.point())) if crosses else None,
+        loss=with_losses(asked.point()).critical_loss() if crosses else None,
     )
 
 
@@ -199,7 +207,7 @@ def _delay_margin(asked: AskedRun) -> int | None:
                 f"channels.{name}.delay={{forward: '{forward!r} s', backward: '{backward!r} s'}}"
             )
         point = asked.fresh(sets)
-        stable = point.spectrum().stable
+        stable = deciding_radius(point) < 1.0 - SETTLED
         point.close()
         if not stable:
             return extra - 1

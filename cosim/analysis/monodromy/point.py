@@ -8,9 +8,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.analysis.chance.delays import packet_delays
 from cosim.analysis.monodromy.idealised import damped
 from cosim.analysis.monodromy.operating_point import moving_inputs, refuse_moving, settle
-from cosim.analysis.monodromy.refusal import refuse_what_has_no_theory, without_chance
+from cosim.analysis.monodromy.refusal import refuse_what_has_no_theory
 from cosim.analysis.monodromy.run_map import RunMap
 from cosim.analysis.monodromy.spectrum import RunSpectrum, spectrum
 from cosim.base.errors import InputError, RunError
@@ -81,7 +82,8 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
     """Run a scenario up to a moment and find its operating point there.
 
     Args:
-        written: what runs; what its channels do by chance is left out (see ``without_chance``).
+        written: what runs; of what its channels do by chance every packet has the longest delay,
+            so that all that may still arrive is in flight.
         at: the moment (s); None: for what is linear any, else the last one at which nothing moves.
         near: the operating point of a run that differs in parameters alone; the search begins
             there, and nothing is run.
@@ -91,23 +93,22 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
     """
     scenario = written.built()
     refuse_what_has_no_theory(scenario)
-    steady = without_chance(scenario)
     if near is not None:
-        return _settled(steady, near.run)
-    with _started(steady) as simulation:
+        return _settled(scenario, near.run)
+    with _started(scenario) as simulation:
         run = _stand(simulation, at)
         if run is not None and run.is_linear:
-            return _settled(steady, run)
+            return _settled(scenario, run)
     if at is None:
-        at = _last_rest(without_chance(damped(written, scenario).built()))
+        at = _last_rest(damped(written, scenario).built())
     problems: list[InputError] = []
-    for candidate in (steady, without_chance(damped(written, scenario).built())):
+    for candidate in (scenario, damped(written, scenario).built()):
         with _started(candidate) as simulation:
             try:
                 run = _stand(simulation, at)
                 assert run is not None
                 refuse_moving(run)
-                return _settled(steady, run)
+                return _settled(scenario, run)
             except InputError as problem:
                 problems.append(problem)
     raise problems[-1]
@@ -127,6 +128,10 @@ def _settled(scenario: Scenario, near: RunMap) -> Point:
 
 def _started(scenario: Scenario) -> Simulation:
     simulation = assemble(scenario)
+    for number, bundle in enumerate(simulation.assembly.wiring.bundles):
+        packets = packet_delays(bundle.fates.direction, bundle.period)
+        if packets is not None and not bundle.fates.is_constant:
+            simulation.program.packets.fix(number, packets.longest)
     simulation.start(
         scenario.ticks + 64 * simulation.assembly.clock.hyperperiod(_periods(scenario))
     )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
+from cosim.analysis.chance.delays import HARMLESS
 from cosim.base.errors import InputError
-from cosim.scenario import Channel, Kind, Scenario, ScenarioComponent
+from cosim.scenario import Kind, Scenario, ScenarioComponent
 
 _WORD = {
     Kind.PYTHON: "is written in Python and does not declare its state",
@@ -81,17 +80,23 @@ def chances(scenario: Scenario) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def without_chance(scenario: Scenario) -> Scenario:
-    """The scenario whose packets all arrive after their fixed delay."""
-    if not chances(scenario):
-        return scenario
+def refuse_chance(scenario: Scenario, what: str) -> None:
+    """Refuse channels whose packets are lost or late by chance, for what is a property of one map.
 
-    def steady(channel: Channel) -> Channel:
-        return replace(
-            channel,
-            forward=replace(channel.forward, impairments={}),
-            backward=replace(channel.backward, impairments={}),
-        )
+    Args:
+        scenario: what runs.
+        what: what is asked for, to be said.
 
-    channels = {name: steady(channel) for name, channel in scenario.channels.items()}
-    return replace(scenario, channels=channels)
+    Raises:
+        InputError: by name and place.
+    """
+    for link, effects in chances(scenario).items():
+        name = link.rsplit(".", 1)[0]
+        others = [effect for effect in effects if effect not in HARMLESS]
+        if others:
+            raise InputError(
+                f"{link} has {' and '.join(others)}, so that every period has a map of its own, "
+                f"and {what} of one: ask without, --set channels.{name}.{others[0]}=~, or for the "
+                "mean-square radius with 'cohaptic theory radius'.",
+                scenario.locate(("channels", name)),
+            )

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.analysis.chance.fate import Fate
+from cosim.analysis.monodromy.saved_bundle import SavedBundle
 from cosim.analysis.monodromy.saved_fmu import SavedFmu
 from cosim.base.errors import InputError
 from cosim.master.assembly.wiring import Signal
@@ -21,7 +23,6 @@ from cosim.master.run.simulation import Simulation
 
 Real = NDArray[np.float64]
 
-LOST = -1
 SIGNAL_STEP = 1e-5
 """How far what is held or in flight is moved (SI), unless everything is linear."""
 
@@ -43,66 +44,6 @@ class DiscreteChangeError(Exception):
     """A mode, count or undeclared word came out differently because numbers were moved."""
 
 
-class _Bundle:
-    """What one bundle holds and what of it is in flight, at the start of the hyperperiod."""
-
-    def __init__(self, simulation: Simulation, number: int) -> None:
-        self.number = number
-        self._program = simulation.program
-        self.bundle = simulation.assembly.wiring.bundles[number]
-        layout = simulation.assembly.layout
-        real = [index for index, entry in enumerate(self.bundle.entries) if entry.is_float]
-        self.real = np.array(real, dtype=np.int64)
-        whole = [index for index, entry in enumerate(self.bundle.entries) if not entry.is_float]
-        self.whole = np.array(whole, dtype=np.int64)
-        self.held = layout.held[number] + self.real
-        self.held_whole = layout.held[number] + self.whole
-        self.restart()
-
-    def restart(self) -> None:
-        self.values, self.arrays = self._program.packets.save(self.number)
-
-    @property
-    def flying(self) -> int:
-        return int(self.values["in_flight"])
-
-    def numbers(self) -> Real:
-        """What is held and in flight now, numbers only: held first, then packet by packet."""
-        cells = self._program.cells[self.held].view(np.float64)
-        payload = self._payload()[:, self.real].view(np.float64)
-        return np.concatenate([cells, payload.reshape(-1)])
-
-    def whole_words(self) -> NDArray[np.int64]:
-        """The rest of it, and where every packet is on its way."""
-        cells = self._program.cells[self.held_whole]
-        return np.concatenate([cells, self._payload()[:, self.whole].reshape(-1)])
-
-    def put(self, numbers: Real, fate: int | None) -> None:
-        """Be as at the start, with these numbers; ``fate`` LOST loses what is due this period."""
-        packets, struct = self._program.packets, self._program.packets.structs[self.number]
-        arrays = {name: array.copy() for name, array in self.arrays.items()}
-        split = self.real.size
-        self._program.cells[self.held] = numbers[:split].view(np.int64)
-        arrays["payload"][:, self.real] = numbers[split:].reshape(-1, split).view(np.int64)
-        values = dict(self.values)
-        struct.delay = self.bundle.fates.direction.delay.ticks
-        if fate == LOST and struct.delay == 0:
-            struct.delay = LOST
-        elif fate == LOST:
-            first = int(self._program.kernel.tick)
-            kept = arrays["flight"][0] >= first + self.bundle.period
-            arrays["flight"], arrays["payload"] = arrays["flight"][:, kept], arrays["payload"][kept]
-            values["in_flight"] = int(np.count_nonzero(kept))
-            arrivals = arrays["flight"][0]
-            values["next_arrival"] = int(arrivals.min()) if arrivals.size else 2**63 - 1
-        packets.load(self.number, values, arrays)
-
-    def _payload(self) -> NDArray[np.int64]:
-        saved, arrays = self._program.packets.save(self.number)
-        del saved
-        return arrays["payload"]
-
-
 class RunMap:
     """Φ of a run that stands at a multiple of its hyperperiod.
 
@@ -122,7 +63,8 @@ class RunMap:
             self.fmus[name] = _saved(simulation, name, fmu)
         self.is_linear = all(each.declared.is_linear for each in self.fmus.values())
         self.bundles = [
-            _Bundle(simulation, number) for number in range(len(simulation.assembly.wiring.bundles))
+            SavedBundle(simulation, number)
+            for number in range(len(simulation.assembly.wiring.bundles))
         ]
         self.restart()
         if not any(each.declared.live for each in self.fmus.values()):
@@ -161,7 +103,7 @@ class RunMap:
         return float(self.hyperperiod / self.simulation.scenario.base_rate)
 
     def undisturbed(
-        self, state: Real | None = None, fates: Mapping[int, int] | None = None
+        self, state: Real | None = None, fates: Mapping[int, Fate] | None = None
     ) -> Real:
         """Φ from a state (the start unless given); how it ends is what others are held against."""
         self._put(self.start if state is None else state, fates)
@@ -170,7 +112,7 @@ class RunMap:
         self._whole = [bundle.whole_words() for bundle in self.bundles]
         return np.concatenate([*numbers, *(b.numbers() for b in self.bundles), np.zeros(0)])
 
-    def __call__(self, state: Real, fates: Mapping[int, int] | None = None) -> Real:
+    def __call__(self, state: Real, fates: Mapping[int, Fate] | None = None) -> Real:
         """Φ from a state near the undisturbed one.
 
         Raises:
@@ -221,7 +163,7 @@ class RunMap:
         """Stand at the start with this state."""
         self._put(state, None)
 
-    def _put(self, state: Real, fates: Mapping[int, int] | None) -> None:
+    def _put(self, state: Real, fates: Mapping[int, Fate] | None) -> None:
         kernel = self.program.kernel
         kernel.tick, kernel.phase = self.tick, self.phase
         self.program.cells[:] = self.cells

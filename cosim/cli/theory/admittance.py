@@ -94,9 +94,11 @@ def _of_run(
 ) -> None:
     from cosim.analysis.answers.felt import felt_response
     from cosim.analysis.answers.push import find_push
+    from cosim.analysis.monodromy.refusal import refuse_chance
     from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
+        refuse_chance(asked.scenario, "admittance is")
         number = 1 if about(asked)["architecture"] == "centralized" else 0
         push = find_push(asked.scenario, hand, "xy".index(axis or "x"), number)
         found = felt_response(asked.point(), push, case, np.array(frequencies))

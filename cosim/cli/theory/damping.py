@@ -78,9 +78,11 @@ def command(
 def _of_run(loop: RunLoop, user: str | None, *, as_json: bool) -> None:
     from cosim.analysis.answers.felt import null_run_damping
     from cosim.analysis.answers.push import find_push
+    from cosim.analysis.monodromy.refusal import refuse_chance
     from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
+        refuse_chance(asked.scenario, "damping is")
         number = 1 if about(asked)["architecture"] == "centralized" else 0
         push = find_push(asked.scenario, user, number=number)
         as_it_is = asked.point().spectrum()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 import click
 
@@ -15,6 +15,9 @@ from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
 from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott
+
+if TYPE_CHECKING:
+    from cosim.scenario.impairments.loss import GilbertElliott
 
 
 @click.command(cls=JsonCommand)
@@ -41,8 +44,8 @@ def command(
     """Critical loss probability: the smallest at which the loop is not mean-square stable.
 
     null (JSON) or "none" (text) where no loss below 0.999 destabilises the loop. A lost packet
-    leaves the value held before. With --scenario the map of every fate is that of the run; what
-    the scenario's own channels lose is answered by theory radius.
+    leaves the value held before. With --scenario the map of every fate is that of the run, with the
+    jitter of its channels and in place of their own loss, which theory radius answers for.
     """
     if isinstance(loop, RunLoop):
         _of_run(loop, losses, loss, burst, as_json=as_json)
@@ -68,16 +71,16 @@ def command(
 def _of_run(
     loop: RunLoop, losses: Losses, loss: float | None, burst: float | None, *, as_json: bool
 ) -> None:
-    from cosim.analysis.answers.chance import critical_run_loss, fate_maps, mean_square_at
+    from cosim.analysis.answers.chance import with_losses
     from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
-        maps = fate_maps(asked.point(), losses)
-        critical = critical_run_loss(maps, losses)
+        chance = with_losses(asked.point(), losses)
+        critical = chance.critical_loss()
         result: dict[str, object] = {"critical_loss": critical, "losses": losses, **about(asked)}
         lines = [place(asked), _sentence(critical, losses)]
         if loss is not None:
-            radius = mean_square_at(maps, _process(loss, burst), losses)
+            radius = chance.radius(_own(loss, burst))
             result |= {"mean_square_radius": radius, "mean_square_stable": radius < 1.0}
             verdict = "stable" if radius < 1.0 else "unstable"
             lines.append(f"at loss {loss:g}: mean-square radius {radius:.6g}, {verdict}")
@@ -90,6 +93,21 @@ def _process(loss: float, burst: float | None) -> Callable[[int], LinkProcess]:
     """From a link's delay to its losses."""
     if burst is None:
         return partial(bernoulli, loss)
+    return partial(gilbert_elliott, *_chain(loss, burst))
+
+
+def _own(loss: float, burst: float | None) -> float | GilbertElliott:
+    """The same losses as a channel has them."""
+    from cosim.scenario.impairments.loss import GilbertElliott
+
+    if burst is None:
+        return loss
+    onset, recovery = _chain(loss, burst)
+    return GilbertElliott(good_to_bad=onset, bad_to_good=recovery)
+
+
+def _chain(loss: float, burst: float) -> tuple[float, float]:
+    """From good to bad and back, a packet."""
     if burst < 1 or not 0 < loss < 1:
         raise InputError("A burst is at least 1 packet long, at a loss between 0 and 1.")
     recovery = 1.0 / burst
@@ -99,7 +117,7 @@ def _process(loss: float, burst: float | None) -> Callable[[int], LinkProcess]:
             f"A loss of {loss:g} cannot come in bursts of only {burst:g} packets: the mean burst "
             f"is then at least {loss / (1 - loss):.3g}."
         )
-    return partial(gilbert_elliott, onset, recovery)
+    return onset, recovery
 
 
 def _sentence(critical: float | None, losses: Losses) -> str:

@@ -23,9 +23,11 @@ def command(loop: Loop | RunLoop, as_json: bool, count: int) -> None:
     if not isinstance(loop, RunLoop):
         raise InputError("Modes are those of a run: give --scenario FILE.")
     from cosim.analysis.answers.grasp_modes import named
+    from cosim.analysis.monodromy.refusal import refuse_chance
     from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
+        refuse_chance(asked.scenario, "modes are")
         point = asked.point()
         found = point.spectrum(with_modes=True)
         modes = found.modes[:count]

@@ -110,6 +110,20 @@ class Packets:
                 table[:BLOCK] = drawn
             struct.fate_first, struct.fate_count = struct.sequence, BLOCK
 
+    def fix(self, number: int, delay: int) -> None:
+        """Before the first is sent: every packet takes this delay (ticks), nothing is drawn.
+
+        Raises:
+            ValueError: there is no room for so many packets in flight.
+        """
+        struct = self.structs[number]
+        if 2 * (delay // struct.period + 2) > struct.capacity:
+            raise ValueError(f"there is no room for packets that are {delay} ticks late")
+        self._fates.pop(number, None)
+        struct.fates = struct.copies = None
+        struct.delay = delay
+        struct.immediate = int(self._can_be_immediate[number] and delay == 0)
+
     def take_back(self, number: int, direction: Direction) -> None:
         """The direction that is in force where a snapshot goes on; ``load`` comes next."""
         self._streams[number].turn(direction)

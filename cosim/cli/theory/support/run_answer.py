@@ -7,9 +7,8 @@ from fractions import Fraction
 from typing import Any
 
 from cosim.analysis.answers.asked import AskedRun
-from cosim.analysis.answers.chance import fate_maps, mean_square_of, own_processes
+from cosim.analysis.answers.chance import own_chance
 from cosim.analysis.answers.names import closed_form_of
-from cosim.analysis.monodromy.refusal import chances
 from cosim.theory.models.parameters import Parameters
 
 
@@ -18,7 +17,7 @@ class RunAnswer:
     """Whether a run is stable.
 
     Attributes:
-        kind: "spectral radius", or "mean-square radius" where packets are lost.
+        kind: "spectral radius", or "mean-square radius" where packets are lost or late by chance.
         radius: over ``period`` (s).
         stable: below 1.
         marginal: momentum is conserved.
@@ -48,14 +47,12 @@ class RunAnswer:
 
 
 def of_run(asked: AskedRun) -> RunAnswer:
-    """The radius that decides: of the map, or of its second moments where packets are lost."""
+    """The radius that decides: of the map, or of second moments where packets draw their fates."""
     point = asked.point()
     found = point.spectrum()
     further = about(asked)
-    links = [b.bundle.name for b in point.run.bundles if b.bundle.channel is not None]
-    lossy = chances(asked.scenario)
-    processes = own_processes(asked.scenario, links) if lossy else None
-    if processes is None:
+    chance = own_chance(point)
+    if chance is None:
         return RunAnswer(
             "spectral radius",
             found.radius,
@@ -65,8 +62,7 @@ def of_run(asked: AskedRun) -> RunAnswer:
             found.period,
             further,
         )
-    maps = fate_maps(point)
-    radius = mean_square_of(maps, processes, "independent")
+    radius = chance.radius()
     return RunAnswer(
         "mean-square radius",
         radius,
