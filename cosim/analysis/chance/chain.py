@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cosim.analysis.chance.delays import PacketDelays
-from cosim.analysis.chance.fate import LOST, Fate, on_time
+from cosim.analysis.chance.fate import LOST, PeriodFate, on_time
 from cosim.base.errors import InputError
 from cosim.scenario.impairments.loss import GilbertElliott
 from cosim.theory.chance.packets import Losses
@@ -21,13 +21,13 @@ MOST_STEPS = 20_000
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ChainStep:
     """One period: from mode to mode, with what every link's receiver gets in it."""
 
     source: int
     target: int
     probability: float
-    fates: tuple[Fate, ...]
+    fates: tuple[PeriodFate, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +40,10 @@ class Chain:
     """
 
     modes: int
-    steps: tuple[Step, ...]
+    steps: tuple[ChainStep, ...]
 
     @property
-    def outcomes(self) -> tuple[tuple[Fate, ...], ...]:
+    def outcomes(self) -> tuple[tuple[PeriodFate, ...], ...]:
         """Every combination of fates that happens, in a fixed order."""
         return tuple(sorted({step.fates for step in self.steps}))
 
@@ -72,10 +72,12 @@ def link_chain(packets: PacketDelays, *, aged: bool = False) -> Chain:
     return _by_age(packets, aged=aged)
 
 
-def _lost_or(source: int, target: int, loss: float, chance: float, arrives: Fate) -> list[Step]:
+def _lost_or(
+    source: int, target: int, loss: float, chance: float, arrives: PeriodFate
+) -> list[ChainStep]:
     return [
-        Step(source, target, chance * (1.0 - loss), (arrives,)),
-        Step(source, target, chance * loss, (LOST,)),
+        ChainStep(source, target, chance * (1.0 - loss), (arrives,)),
+        ChainStep(source, target, chance * loss, (LOST,)),
     ]
 
 
@@ -84,7 +86,7 @@ def _by_age(packets: PacketDelays, *, aged: bool) -> Chain:
     assert not isinstance(packets.loss, GilbertElliott)
     period, oldest = packets.period, packets.longest // packets.period
     chances = {ticks: (1.0 - packets.loss) * share for ticks, share in packets.ticks.items()}
-    steps: list[Step] = []
+    steps: list[ChainStep] = []
     for mode in range(oldest + 1):
         found: dict[tuple[tuple[int, int], ...], float] = {(): 1.0}
         for age in range(min(mode, oldest) + 1):
@@ -95,8 +97,8 @@ def _by_age(packets: PacketDelays, *, aged: bool) -> Chain:
             found = _with(found, age, {o: share for o, share in now.items() if share > 0.0})
         for arrivals, chance in found.items():
             newest = arrivals[-1][1] if arrivals else mode + 1
-            fate = Fate(arrivals, mode + 1 if aged else 0)
-            steps.append(Step(mode, min(newest, oldest), chance, (fate,)))
+            fate = PeriodFate(arrivals, mode + 1 if aged else 0)
+            steps.append(ChainStep(mode, min(newest, oldest), chance, (fate,)))
     return Chain(oldest + 1, _merged(steps))
 
 
@@ -124,7 +126,7 @@ def side_by_side(chains: Sequence[Chain]) -> Chain:
     Raises:
         InputError: there are too many combinations.
     """
-    modes, steps = 1, [Step(0, 0, 1.0, ())]
+    modes, steps = 1, [ChainStep(0, 0, 1.0, ())]
     for chain in chains:
         if len(steps) * len(chain.steps) > MOST_STEPS:
             raise InputError(
@@ -132,7 +134,7 @@ def side_by_side(chains: Sequence[Chain]) -> Chain:
                 "combinations: give jitter whole samples, or ask with --losses together."
             )
         steps = [
-            Step(
+            ChainStep(
                 one.source * chain.modes + two.source,
                 one.target * chain.modes + two.target,
                 one.probability * two.probability,
@@ -162,7 +164,7 @@ def all_together(links: Sequence[PacketDelays]) -> Chain:
     return Chain(
         chain.modes,
         tuple(
-            Step(s.source, s.target, s.probability, lost if s.fates == (LOST,) else arrive)
+            ChainStep(s.source, s.target, s.probability, lost if s.fates == (LOST,) else arrive)
             for s in chain.steps
         ),
     )
@@ -175,10 +177,12 @@ def chain_of(links: Sequence[PacketDelays], losses: Losses, *, aged: bool = Fals
     return side_by_side([link_chain(link, aged=aged) for link in links])
 
 
-def _merged(steps: itertools.chain[Step] | Sequence[Step]) -> tuple[Step, ...]:
+def _merged(steps: itertools.chain[ChainStep] | Sequence[ChainStep]) -> tuple[ChainStep, ...]:
     """Steps that happen, alike ones as one."""
-    found: dict[tuple[int, int, tuple[Fate, ...]], float] = {}
+    found: dict[tuple[int, int, tuple[PeriodFate, ...]], float] = {}
     for step in steps:
         key = step.source, step.target, step.fates
         found[key] = found.get(key, 0.0) + step.probability
-    return tuple(Step(i, j, chance, fates) for (i, j, fates), chance in found.items() if chance)
+    return tuple(
+        ChainStep(i, j, chance, fates) for (i, j, fates), chance in found.items() if chance
+    )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Fate:
+class PeriodFate:
     """The arrivals of one link in one of its periods.
 
     Attributes:
@@ -19,10 +19,10 @@ class Fate:
     held: int = 0
 
 
-LOST = Fate(())
+LOST = PeriodFate(())
 """Nothing arrives."""
 
 
-def on_time(delay: int, period: int) -> Fate:
+def on_time(delay: int, period: int) -> PeriodFate:
     """The packet that is due arrives (ticks)."""
-    return Fate(((delay % period, delay // period),))
+    return PeriodFate(((delay % period, delay // period),))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.analysis.chance.chain import Chain
-from cosim.analysis.chance.fate import Fate
+from cosim.analysis.chance.fate import PeriodFate
 from cosim.analysis.monodromy.blocks import connected_blocks, dropped
 from cosim.analysis.monodromy.jacobian import jacobian
 from cosim.analysis.monodromy.neutral import quotient
@@ -39,7 +39,7 @@ class FateMaps:
         blocks: per strongly connected block, the maps on its quotient, shape (outcomes, m, m).
     """
 
-    outcomes: tuple[tuple[Fate, ...], ...]
+    outcomes: tuple[tuple[PeriodFate, ...], ...]
     maps: Real
     blocks: tuple[Real, ...]
 

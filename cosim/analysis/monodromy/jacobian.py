@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.analysis.chance.fate import Fate
+from cosim.analysis.chance.fate import PeriodFate
 from cosim.analysis.monodromy.run_map import DiscreteChangeError, RunMap
 from cosim.base.errors import InputError
 
@@ -18,7 +18,7 @@ TOLERANCE = 1e-5
 
 
 def jacobian(
-    run: RunMap, state: Real | None = None, fates: Mapping[int, Fate] | None = None
+    run: RunMap, state: Real | None = None, fates: Mapping[int, PeriodFate] | None = None
 ) -> Real:
     """dΦ/dx at a state, shape (n, n): central differences of two steps, extrapolated (Richardson).
 
@@ -59,7 +59,7 @@ def _sizes(run: RunMap) -> Real:
 
 
 def _difference(
-    run: RunMap, at: Real, number: int, share: float, fates: Mapping[int, Fate] | None
+    run: RunMap, at: Real, number: int, share: float, fates: Mapping[int, PeriodFate] | None
 ) -> Real:
     ends: list[Real] = []
     places: list[float] = []

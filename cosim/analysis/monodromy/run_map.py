@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.analysis.chance.fate import Fate
+from cosim.analysis.chance.fate import PeriodFate
 from cosim.analysis.monodromy.saved_bundle import SavedBundle
 from cosim.analysis.monodromy.saved_fmu import SavedFmu
 from cosim.base.errors import InputError
@@ -103,7 +103,7 @@ class RunMap:
         return float(self.hyperperiod / self.simulation.scenario.base_rate)
 
     def undisturbed(
-        self, state: Real | None = None, fates: Mapping[int, Fate] | None = None
+        self, state: Real | None = None, fates: Mapping[int, PeriodFate] | None = None
     ) -> Real:
         """Φ from a state (the start unless given); how it ends is what others are held against."""
         self._put(self.start if state is None else state, fates)
@@ -112,7 +112,7 @@ class RunMap:
         self._whole = [bundle.whole_words() for bundle in self.bundles]
         return np.concatenate([*numbers, *(b.numbers() for b in self.bundles), np.zeros(0)])
 
-    def __call__(self, state: Real, fates: Mapping[int, Fate] | None = None) -> Real:
+    def __call__(self, state: Real, fates: Mapping[int, PeriodFate] | None = None) -> Real:
         """Φ from a state near the undisturbed one.
 
         Raises:
@@ -163,7 +163,7 @@ class RunMap:
         """Stand at the start with this state."""
         self._put(state, None)
 
-    def _put(self, state: Real, fates: Mapping[int, Fate] | None) -> None:
+    def _put(self, state: Real, fates: Mapping[int, PeriodFate] | None) -> None:
         kernel = self.program.kernel
         kernel.tick, kernel.phase = self.tick, self.phase
         self.program.cells[:] = self.cells

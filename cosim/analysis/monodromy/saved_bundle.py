@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.analysis.chance.fate import Fate
+from cosim.analysis.chance.fate import PeriodFate
 from cosim.master.assembly.wiring import PacketFact
 from cosim.master.channels.packets import NEVER
 from cosim.master.run.simulation import Simulation
@@ -36,7 +36,7 @@ class SavedBundle:
         self.held_whole = layout.held[number] + self.whole
         self.delay = int(self._program.packets.structs[number].delay)
         """Of every packet, in the run as it is put back without a fate (ticks)."""
-        self._put: tuple[Real, Fate] | None = None
+        self._put: tuple[Real, PeriodFate] | None = None
         self.restart()
 
     def restart(self) -> None:
@@ -71,7 +71,7 @@ class SavedBundle:
         payload = self._payload()[:, self.whole].reshape(-1)
         return np.concatenate([cells, payload, [int(self._struct.in_flight)]])
 
-    def put(self, numbers: Real, fate: Fate | None) -> None:
+    def put(self, numbers: Real, fate: PeriodFate | None) -> None:
         """Be as at the start, with these numbers; ``fate`` says what arrives in this period."""
         arrays = {name: array.copy() for name, array in self.arrays.items()}
         split = self.real.size
@@ -86,7 +86,7 @@ class SavedBundle:
         self._program.packets.load(self.number, values, arrays)
 
     def _follow(
-        self, fate: Fate, values: dict[str, Any], arrays: dict[str, NDArray[np.int64]]
+        self, fate: PeriodFate, values: dict[str, Any], arrays: dict[str, NDArray[np.int64]]
     ) -> None:
         """Let arrive what a fate says, and nothing else."""
         tick, flight = int(self._program.kernel.tick), arrays["flight"]
