@@ -39,6 +39,7 @@ def link_facts(
         found["peers"][peer.name] = {
             "component": peer.component,
             "sent": link.outgoing.sent,
+            "withheld": sum(content.withheld for content in link.outgoing.contents),
             "refused": getattr(transport, "refused", 0),
             "unsent": getattr(transport, "unsent", 0),
             "foreign": link.foreign,
@@ -54,6 +55,7 @@ def link_facts(
             "streams": {
                 item.receiver.bundle.channel: {
                     **{fate.name.lower(): int(item.receiver.counts[fate]) for fate in Fate},
+                    "withheld": item.receiver.content.withheld,
                     "overdue": item.receiver.overdue,
                     "overdue_by_network": item.overdue_by_network,
                     "losses": item.weight.losses,

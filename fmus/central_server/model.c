@@ -49,7 +49,8 @@ static void receive_waves(const Variables *v, const State *s, Tick *tick)
             *end = s->wave[p][f];
             const double *integral = f ? v->client[p].finger_2_wave : v->client[p].finger_1_wave;
             const bool heard = end->in.heard;
-            end->in = wave_receive(&end->in, integral, v->client[p].source_tick, v->sample_period);
+            end->in = wave_receive(&end->in, integral, v->client[p].source_tick,
+                                   peer_weight(v, p) > 0.0, v->sample_period);
             if (!heard) end->position = tick->input.peer[p].finger[f].position;
         }
 }

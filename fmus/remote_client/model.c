@@ -32,13 +32,19 @@ const char *model_initialise(Variables *v, State *s, Report *r)
     return wrong;
 }
 
+/* How much of what the server says counts, 0 to 1. */
+static double server_weight(const Variables *v)
+{
+    return v->peer_valid[0] ? fmin(fmax(v->peer_weight[0], 0.0), 1.0) : 0.0;
+}
+
 static WaveEnd wave_end(const Variables *v, const State *s, int f, const FingerMeasurement *measured)
 {
     WaveEnd end = s->wave[f];
     if (!end.started) end.origin = measured->position;
     end.started = 1;
     end.back = wave_receive(&end.back, f ? v->down.finger_2_wave : v->down.finger_1_wave,
-                            v->down.source_tick, v->sample_period);
+                            v->down.source_tick, server_weight(v) > 0.0, v->sample_period);
     return end;
 }
 
@@ -59,8 +65,8 @@ static Vector finger_force(const Variables *v, const State *s, int f,
                            const FingerMeasurement *measured)
 {
     const Vector received = server_force(v, s, f, measured);
-    const bool usable = v->peer_valid[0] && isfinite(received.x) && isfinite(received.y);
-    const double weight = usable ? fmin(fmax(v->peer_weight[0], 0.0), 1.0) : 0.0;
+    const bool usable = isfinite(received.x) && isfinite(received.y);
+    const double weight = usable ? server_weight(v) : 0.0;
     const double damping = (1.0 - weight) * v->local_damping;
     const Vector force = times(-damping, measured->velocity);
     return weight > 0.0 ? plus(force, times(weight, received)) : force;

@@ -53,7 +53,7 @@ def data_values(data: bytes) -> None:
     script = Script(data)
     bundle = small_bundle()
     keys = both_ends()
-    writer = DataWriter(Sealer(keys[0].outgoing, keys[0].session), 0, bundle.size)
+    writer = DataWriter(Sealer(keys[0].outgoing, keys[0].session), 0, bundle.size, bundle.head)
     receiver = Receiver(bundle, ReceiverSettings())
     receiver.offer(Opener(keys[1].incoming, keys[1].session))
     low, high = bundle.spread("minimum"), bundle.spread("maximum")
@@ -65,8 +65,8 @@ def data_values(data: bytes) -> None:
             writer.values[:] = np.remainder(np.nan_to_num(writer.values), 1.0)
         tick = int.from_bytes(script.take(8), "little", signed=True)
         tick = now if script.number(2) else tick
-        numbers = np.frombuffer(script.take(48).ljust(48, b"\0"), "<i8")
-        sent, echo_sent, echo_received, epoch, acknowledged, flags = (int(n) for n in numbers)
+        numbers = np.frombuffer(script.take(56).ljust(56, b"\0"), "<i8")
+        sent, echo_sent, echo_received, epoch, acknowledged, flags, content = map(int, numbers)
         writer.seal(
             tick,
             sent,
@@ -74,7 +74,8 @@ def data_values(data: bytes) -> None:
             echo_received=echo_received,
             epoch=epoch,
             acknowledged=(7, acknowledged),
-            flags=flags & 0xFFFFFFFF if script.number(2) else flags & 3,
+            flags=flags & 0xFFFFFFFF if script.number(2) else flags & 7,
+            content=content if script.number(2) else None,
         )
         receiver.accept(memoryview(bytes(writer.datagram)), now)
         now += script.number(20)

@@ -202,6 +202,12 @@ class PacketBundle:
             for index in range(places[field.name].start, places[field.name].stop)
         ]
 
+    @property
+    def head(self) -> list[int]:
+        """The elements that say how the source is; they travel also where others are withheld."""
+        roles = (FieldRole.SOURCE_TICK, FieldRole.SOURCE_AGE, FieldRole.STATUS)
+        return sorted(place for role in roles for place in self.indices(role))
+
     def describe(self) -> dict[str, Any]:
         """What both stations must agree on, as plain values."""
         return {

@@ -31,5 +31,5 @@ class Fate(IntEnum):
     SUPERSEDED = 11
     """Accepted (and counted as that, too), but a newer one came before its sample did."""
     ABSURD = 12
-    """Authentic, with a sequence, tick or time that cannot be, an unknown flag, or something in
-    the room that nobody uses."""
+    """Authentic, with a sequence, tick or time that cannot be, an unknown flag, or without values
+    that never came."""

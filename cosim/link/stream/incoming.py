@@ -44,6 +44,9 @@ class Incoming:
         self.valid = False
         self.fresh = False
         self.source_age = 0
+        """As the source says: with the time for which it has meant to repeat itself."""
+        self.source_stale = 0
+        """Without it: base ticks since the source itself was renewed."""
         self.active = True
         self.overdue_by_network = 0
         """Packets that missed their sample because of the time on the way; the others were sent
@@ -80,7 +83,7 @@ class Incoming:
         self.age = min(max(0, age) + self.source_age, LARGEST_AGE)
         weight.update(
             fresh=self.fresh,
-            source_age=self.source_age,
+            source_age=self.source_stale,
             active=self.active and not receiver.stopping and in_session,
             unheard=unheard,
             late=receiver.last_late >= 0 and tick - receiver.last_late <= weight.hold,
@@ -95,13 +98,16 @@ class Incoming:
         values, age, active = self._values, 0, True
         for index in self._ages:
             age = max(age, int(values[index]))
+        stale = age - self.receiver.repeated
         for index in self._ticks:
             # A source that stands still is as old as its last change, whatever it says itself.
             if values[index] != self._source_tick:
                 self._source_tick = values[index]
                 self._source_changed = self.receiver.tick
-            age = max(age, self.receiver.tick - self._source_changed)
+            standing = self.receiver.tick - self._source_changed
+            age, stale = max(age, standing), max(stale, standing)
         self.source_age = min(age, LARGEST_AGE)
+        self.source_stale = min(max(0, stale), LARGEST_AGE)
         for index in self._statuses:
             active = active and int(values[index]) & (ACTIVE | FAULT) == ACTIVE
         self.active = active

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from cosim.link.session.keys import SessionKeys
 from cosim.link.stream.bundle import PacketBundle
+from cosim.link.stream.content import SentContent
 from cosim.link.stream.path import Acknowledgements
 from cosim.link.wire.packet import DataWriter, PacketFlag, Sealer
 from cosim.link.wire.transport import Transport
@@ -22,7 +23,10 @@ class Outgoing:
     ) -> None:
         """``newest`` tells, by the number of a stream, what was received of the peer's last."""
         self.bundles = list(bundles)
-        self.writers = [DataWriter(None, bundle.stream, bundle.size) for bundle in bundles]
+        self.writers = [
+            DataWriter(None, bundle.stream, bundle.size, bundle.head) for bundle in bundles
+        ]
+        self.contents = [SentContent(bundle) for bundle in bundles]
         self.session: SessionKeys | None = None
         """What is sent under."""
         self.sent = 0
@@ -38,16 +42,31 @@ class Outgoing:
         self.session = keys
         self.acknowledgements.begin(keys.session)
         sealer = Sealer(keys.outgoing, keys.session)
-        for writer in self.writers:
+        for writer, content in zip(self.writers, self.contents, strict=True):
             writer.renew(sealer)
+            content.begin(keys.session)
+
+    def heard(self, stream: int, session: int, sequence: int) -> None:
+        """The peer has received ``sequence`` of a session (its low half) on a stream."""
+        if stream == 0:
+            self.acknowledgements.heard(session, sequence)
+        if stream < len(self.contents):
+            self.contents[stream].acknowledged(session, sequence)
 
     def send(self, tick: int, now: int, epoch: int) -> None:
         """Send every bundle whose sample is due at ``tick``; fill ``writers[i].values`` before."""
         if self.session is None:
             return
-        for bundle, writer in zip(self.bundles, self.writers, strict=True):
+        for bundle, writer, content in zip(
+            self.bundles, self.writers, self.contents, strict=True
+        ):
             if tick % bundle.period == 0:
-                self._send(bundle, writer, (tick, now), epoch=epoch)
+                since, withheld = content.of(tick, writer.values)
+                flags = PacketFlag.WITHHELD if withheld else 0
+                sequence = self._send(
+                    bundle, writer, (tick, now), epoch=epoch, flags=flags, content=since
+                )
+                content.sent(sequence, withheld=withheld)
         if self.first_sent is None:
             self.first_sent = tick
 
@@ -66,7 +85,8 @@ class Outgoing:
         *,
         epoch: int,
         flags: int = 0,
-    ) -> None:
+        content: int | None = None,
+    ) -> int:
         assert self.session is not None
         sequence = writer.seal(
             *at,
@@ -75,7 +95,9 @@ class Outgoing:
             epoch=epoch,
             acknowledged=self._newest(bundle.stream),
             flags=flags,
+            content=content,
         )
         if bundle.stream == 0:
             self.acknowledgements.sent(self.session.session, sequence, at[0])
         self.sent += self._transport.send(writer.datagram)
+        return sequence

@@ -278,8 +278,7 @@ class PeerLink:
             outgoing.echo = (sent, arrived)
         if receiver.peer_epoch:
             self.peer_epoch = receiver.peer_epoch
-        if receiver is self.incoming[0].receiver:
-            outgoing.acknowledgements.heard(*receiver.acknowledged)
+        outgoing.heard(receiver.bundle.stream, *receiver.acknowledged)
         if echo_sent and self.clock.add(echo_sent, echo_received, sent, arrived):
             self._trips.add(self.clock.last_round_trip, arrived)
 

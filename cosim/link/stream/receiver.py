@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cosim.link.stream.admission import Admission, PacketJudge, Plausibility
 from cosim.link.stream.bundle import Floats, PacketBundle
+from cosim.link.stream.content import ReceivedContent
 from cosim.link.stream.fate import Fate
 from cosim.link.stream.waiting import WaitingPackets
 from cosim.link.wire.packet import (
@@ -96,6 +97,9 @@ class Receiver:
         """How many datagrams met each :class:`Fate`."""
         self.overdue = 0
         """Accepted packets that missed the sample their delay meant them for."""
+        self.repeated = 0
+        """For how many base ticks the held values had been the same when they were sent."""
+        self.content = ReceivedContent(bundle)
         self.stopping = False
         """The peer has announced an orderly stop."""
         self.slip = 0
@@ -142,7 +146,7 @@ class Receiver:
         stream = self.bundle.stream
         self._offered += 1
         self._inbound[opener.session] = _Inbound(
-            DataReader(opener, stream, self.bundle.size),
+            DataReader(opener, stream, self.bundle.size, self.bundle.head),
             (MAGIC, VERSION, int(PacketKind.DATA), stream, 0, opener.session),
             ReplayWindow(),
             self._offered,
@@ -190,7 +194,9 @@ class Receiver:
         waiting = self._waiting
         if now < waiting.next_due or self.held:
             return False
-        self._held_order, self.tick, superseded = waiting.take(now, self._held_bytes)
+        self._held_order, self.tick, superseded, self.repeated = waiting.take(
+            now, self._held_bytes
+        )
         self.sequence = self._held_order[1]
         self.released_at = now
         self.delay = now - self.tick
@@ -205,7 +211,8 @@ class Receiver:
         if inbound is None or header[:6] != inbound.expected:
             return Fate.FOREIGN
         reader = inbound.reader
-        if len(datagram) != reader.size:
+        withheld = len(datagram) != reader.size
+        if withheld and len(datagram) != reader.withheld_size:
             return Fate.TRUNCATED
         sequence: int = header[6]
         opened = reader.open(datagram, sequence)
@@ -219,12 +226,14 @@ class Receiver:
         if inbound.order >= self._newest_order:
             self._newest_order = inbound.order
             self.newest = (header[5], window.highest)
-        sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, of = opened
+        sampled, sent, echo_sent, echo_received, epoch, acknowledged, flags, of, content = opened
         latest = max(sent, echo_sent, echo_received, epoch)
         earliest = min(sent, echo_sent, echo_received, epoch)
         if not 0 <= sampled <= LARGEST_TICK or latest > LARGEST_TIME or earliest < -LARGEST_TIME:
             return Fate.ABSURD
-        if flags > FLAGS or not reader.is_spare_room_empty:
+        if flags > FLAGS or not 0 <= content <= sampled:
+            return Fate.ABSURD
+        if withheld is not bool(flags & PacketFlag.WITHHELD):
             return Fate.ABSURD
         if flags & PacketFlag.INITIAL:
             return Fate.LATE
@@ -234,19 +243,28 @@ class Receiver:
         self.peer_epoch = epoch
         self.acknowledged = (of, acknowledged)
         order = (inbound.order, sequence)
+        if withheld:
+            if content > self.content.tick:
+                return Fate.ABSURD
+            if content < self.content.tick:
+                return Fate.REORDERED
+            self.content.withheld += 1
+            reader.complete(self.content.bytes)
+        elif content < sampled:
+            self.content.take(content, reader.content, order)
         if order < self._held_order:
             return Fate.REORDERED
         tick = sampled + self.slip
         if not -self.settings.early <= now - tick <= self.settings.late_after:
             self.last_late = now
             return Fate.LATE
-        return self._admit(reader.values, order, (sampled, tick, now), flags)
+        return self._admit(reader.values, order, (sampled, tick, now, sampled - content), flags)
 
     def _admit(
-        self, values: Floats, order: tuple[int, int], at: tuple[int, int, int], flags: int
+        self, values: Floats, order: tuple[int, int], at: tuple[int, int, int, int], flags: int
     ) -> Fate:
         """Judge the values themselves, and keep them where they can be believed."""
-        sampled, tick, now = at
+        sampled, tick, now, repeated = at
         last = self._reference_tick
         # At least one sample: two packets of one tick still differ by what a tick allows.
         ticks = 0 if last is None else max(abs(sampled - last), self.bundle.period)
@@ -274,5 +292,5 @@ class Receiver:
                 self.overdue += 1
             else:
                 due = wanted
-        waiting.keep(order, tick, due)
+        waiting.keep(order, tick, due, repeated)
         return Fate.ACCEPTED

@@ -22,15 +22,12 @@ MAGIC = b"cH"
 VERSION = 2
 HEADER = struct.Struct("<2sBBHHQQ")
 """magic, version, kind, stream, zero, session, sequence."""
-BODY = struct.Struct("<qqqqqqII")
-"""tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, its session (low half)."""
+BODY = struct.Struct("<qqqqqqIIq")
+"""tick, sent, echo_sent, echo_received, epoch, acknowledged, flags, its session (low half), content
+(the tick from which on the values have been the same)."""
 NONCE = struct.Struct("<BBHQ")
 """kind, zero, stream, sequence."""
 TAG_SIZE = 16
-SPARE = 8
-"""float64 elements kept at the end of a data body for energy and wave variables. Nothing uses them
-yet, so they have to be zero."""
-_UNUSED = bytes(8 * SPARE)
 LARGEST_DATAGRAM = 1232
 LARGEST_TIME = 1 << 60
 """ns (36 years): a clock that shows more is not believed, and sums of four still fit 64 bits."""
@@ -58,15 +55,17 @@ class PacketFlag(IntEnum):
 
     STOPPING = 1
     INITIAL = 2
+    WITHHELD = 4
+    """Only what tells how the source is; its other values are those of the packet of ``content``."""
 
 
-FLAGS = PacketFlag.STOPPING | PacketFlag.INITIAL
+FLAGS = PacketFlag.STOPPING | PacketFlag.INITIAL | PacketFlag.WITHHELD
 """Every bit that means something; a packet with another one is not believed."""
 
 
 def datagram_size(elements: int) -> int:
     """Bytes of a data packet with that many float64 elements."""
-    return VALUES_START + 8 * (elements + SPARE) + TAG_SIZE
+    return VALUES_START + 8 * elements + TAG_SIZE
 
 
 class Sealer:
@@ -123,12 +122,22 @@ class Opener:
 class DataWriter:
     """Writes the data packets of one stream; ``values`` is a view on the packet's elements."""
 
-    def __init__(self, sealer: Sealer | None, stream: int, elements: int) -> None:
+    def __init__(
+        self, sealer: Sealer | None, stream: int, elements: int, head: Sequence[int] = ()
+    ) -> None:
+        """``head`` has the elements that travel where the others are withheld."""
         size = datagram_size(elements)
         plain = bytearray(size - HEADER.size - TAG_SIZE)
         self._plain = memoryview(plain)
         self._numbers = struct.Struct(f"<{elements}d")
-        self.datagram = memoryview(bytearray(size))
+        self._whole = memoryview(bytearray(size))
+        self._head = tuple(head)
+        self._short = self._whole[: datagram_size(len(self._head))]
+        self._short_plain = memoryview(
+            bytearray(len(self._short) - HEADER.size - TAG_SIZE)
+        )
+        self._short_numbers = struct.Struct(f"<{len(self._head)}d")
+        self.datagram = self._whole
         """What to send after :meth:`seal`; overwritten by the next one."""
         self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
         """Shape (elements,): fill before :meth:`seal`."""
@@ -153,10 +162,12 @@ class DataWriter:
         epoch: int = 0,
         acknowledged: tuple[int, int] = (0, -1),
         flags: int = 0,
+        content: int | None = None,
     ) -> int:
         """Complete the packet of ``tick`` (times in ns) and return its sequence.
 
-        ``acknowledged`` is a session of the other side and the highest sequence received under it.
+        ``acknowledged`` is a session of the other side and the highest sequence received under it,
+        ``content`` the tick from which on the values have been the same (``tick`` without it).
 
         Raises:
             RuntimeError: there is no session yet.
@@ -166,31 +177,48 @@ class DataWriter:
             raise RuntimeError(message)
         session, highest = acknowledged
         facts = (tick, sent, echo_sent, echo_received, epoch, highest, flags, session & LOW_HALF)
-        BODY.pack_into(self._plain, 0, *facts)
-        return self._sealer.seal(PacketKind.DATA, self._stream, self._plain, self.datagram)
+        plain, self.datagram = self._plain, self._whole
+        if flags & PacketFlag.WITHHELD:
+            plain, self.datagram = self._short_plain, self._short
+            values = self.values
+            self._short_numbers.pack_into(plain, BODY.size, *[values[i] for i in self._head])
+        BODY.pack_into(plain, 0, *facts, tick if content is None else content)
+        return self._sealer.seal(PacketKind.DATA, self._stream, plain, self.datagram)
 
 
 class DataReader:
     """Opens the data packets of one stream; ``values`` is a view on the last one opened."""
 
-    def __init__(self, opener: Opener, stream: int, elements: int) -> None:
+    def __init__(
+        self, opener: Opener, stream: int, elements: int, head: Sequence[int] = ()
+    ) -> None:
+        """``head`` has the elements that travel where the others are withheld."""
         self._stream = stream
         self.size = datagram_size(elements)
         plain = bytearray(self.size - HEADER.size - TAG_SIZE)
-        self._bytes, self._plain = plain, memoryview(plain)
+        self._plain = memoryview(plain)
         self.values: Floats = np.frombuffer(plain, dtype="<f8", count=elements, offset=BODY.size)
+        self.content = self._plain[BODY.size :]
+        """The bytes of :attr:`values`."""
+        self.head = tuple(head)
+        self.withheld_size = datagram_size(len(self.head))
+        """Of a packet without content; such a one is opened into the head alone."""
+        self._short = memoryview(bytearray(self.withheld_size - HEADER.size - TAG_SIZE))
+        self._numbers = struct.Struct(f"<{len(self.head)}d")
         self.opener = opener
 
-    @property
-    def is_spare_room_empty(self) -> bool:
-        """Whether the last packet opened has nothing where nobody looks for anything."""
-        return self._bytes.endswith(_UNUSED)
-
     def open(self, datagram: memoryview, sequence: int) -> tuple[int, ...] | None:
-        """The eight members of :data:`BODY`, or ``None`` for a forgery.
+        """The nine members of :data:`BODY`, or ``None`` for a forgery.
 
         ``sequence`` is the header's, which the caller has read to know the session and stream.
         """
-        if not self.opener.open_as(PacketKind.DATA, self._stream, sequence, datagram, self._plain):
+        plain = self._plain if len(datagram) == self.size else self._short
+        if not self.opener.open_as(PacketKind.DATA, self._stream, sequence, datagram, plain):
             return None
-        return BODY.unpack_from(self._plain)
+        return BODY.unpack_from(plain)
+
+    def complete(self, content: memoryview) -> None:
+        """After a packet without content: what it withholds is ``content``, the head its own."""
+        self.content[:] = content
+        for place, value in zip(self.head, self._numbers.unpack_from(self._short, BODY.size)):
+            self.values[place] = value

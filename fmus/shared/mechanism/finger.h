@@ -11,7 +11,8 @@
 #include "velocity_estimator.h"
 
 enum { STATUS_HOMED = 1, STATUS_ACTIVE = 2, STATUS_FAULT = 4, STATUS_OUTPUT = 8, STATUS_CONTACT = 16,
-       STATUS_FINGER = 32 /* finger 1 can be touched; finger 2: twice this */ };
+       STATUS_FINGER = 32, /* finger 1 can be touched; finger 2: twice this */
+       STATUS_REPEATED = 128 /* of a packet: its content is an earlier one's, by the deadband */ };
 
 typedef struct {
     FiveBar bar;

@@ -3,8 +3,9 @@
 #include "cohaptic_math.h"
 
 WavePort wave_receive(const WavePort *before, const double integral[2], int64_t source_tick,
-                      double period)
+                      bool counts, double period)
 {
+    if (!counts) return (WavePort){0};
     WavePort port = *before;
     const Vector received = {integral[0], integral[1]};
     const bool usable = source_tick >= 0 && isfinite(received.x) && isfinite(received.y);

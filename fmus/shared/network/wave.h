@@ -6,7 +6,8 @@
  * power v F. What travels is the integral of a wave (N.s), so that nothing is lost with a packet. A
  * receiver plays the mean of what it has not yet consumed for as long as the sender took to send it,
  * and then the wave zero. A mean holds no more energy than what it is the mean of; so the channel
- * stays passive whatever is late, held or lost, and at worst the delay grows to the longest gap.
+ * stays passive whatever is late, held or lost, and at worst the delay grows to the longest gap. A peer
+ * that was given up is heard anew: what it sent meanwhile, or before it was restarted, is not made up for.
  */
 #ifndef COHAPTIC_WAVE_H
 #define COHAPTIC_WAVE_H
@@ -25,10 +26,10 @@ typedef struct {
     int64_t heard;
 } WavePort;
 
-/* The port at this tick, given what the packet says now; what the first packet has is taken as
- * consumed. Pure. */
+/* The port at this tick, given what the packet says now and whether its sender counts; what the first
+ * packet has is taken as consumed. Pure. */
 WavePort wave_receive(const WavePort *before, const double integral[2], int64_t source_tick,
-                      double period);
+                      bool counts, double period);
 
 /* The port after this tick. */
 WavePort wave_consume(const WavePort *port, double period);

@@ -482,7 +482,7 @@ _BOX = (
 )
 _STATUS = (
     "Sum of 1 homed, 2 active, 4 fault, 8 output enabled, 16 in contact, 32 finger 1 and 64 finger "
-    "2 can be touched"
+    "2 can be touched, 128 the content is repeated by the deadband"
 )
 
 

@@ -153,7 +153,8 @@ static inline void pack_fingers(const FingerMeasurement measured[FINGERS], Packe
     do { \
         (target).source_tick = (now); \
         (target).source_age = station_age(v) + ((now) - (packet_sent)->tick); \
-        (target).status = station_status(v, measured) | (contact); \
+        (target).status = station_status(v, measured) | (contact) \
+                          | ((packet_sent)->tick < (now) ? STATUS_REPEATED : 0); \
     } while (0)
 
 #define WRITE_VECTOR(target, vector) \

@@ -8,7 +8,7 @@ import numpy as np
 
 from cosim.link.session.keys import SessionKeys
 from cosim.link.session.live import KEEP_SIZE
-from cosim.link.wire.packet import BODY, HEADER, SPARE, TAG_SIZE, PacketKind, Sealer, datagram_size
+from cosim.link.wire.packet import BODY, HEADER, TAG_SIZE, PacketKind, Sealer, datagram_size
 
 EXTREMES = [0, 1, -1, 2**31, -(2**31), 2**53, 2**60, 2**60 + 1, 2**62, 2**63 - 1, -(2**63)]
 NUMBERS = [0.0, -0.0, 1.0, 0.1, -0.1, 1e300, -1e308, float("inf"), float("-inf"), float("nan")]
@@ -75,11 +75,10 @@ class KeyHolder:
         for place in range(len(values)):
             if draw.random() < 1.2 / len(values):
                 values[place] = self.number()
-        flags = draw.choice([0, 0, 1, 2, 3, 2**32 - 1])
-        BODY.pack_into(plain, 0, *facts, flags, draw.getrandbits(32))
+        flags = draw.choice([0, 0, 1, 2, 3, 4, 2**32 - 1])
+        content = tick if draw.random() < 0.9 else self.integer()
+        BODY.pack_into(plain, 0, *facts, flags, draw.getrandbits(32), content)
         np.frombuffer(plain, "<f8", len(values), BODY.size)[:] = values
-        if draw.random() < 0.95:
-            plain[BODY.size + 8 * len(values) :] = bytes(8 * SPARE)
 
     def _seal(self, kind: PacketKind, plain: bytearray, size: int) -> bytes:
         datagram = bytearray(size)

@@ -54,7 +54,7 @@ def test_another_program_can_read_the_example() -> None:
     header, sealed = datagram[:24], datagram[24:]
     assert struct.unpack("<2sBBHHQQ", header) == (b"cH", 2, 1, 0, 0, SESSION, 3)
     body = AESGCM(KEY_BYTES).decrypt(struct.pack("<BBHQ", 1, 0, 0, 3), sealed, header)
-    assert struct.unpack_from("<qqqqqqII", body) == (
+    assert struct.unpack_from("<qqqqqqIIq", body) == (
         1024,
         1_000_000_000,
         998_000_000,
@@ -63,10 +63,10 @@ def test_another_program_can_read_the_example() -> None:
         41,
         0,
         0xC0FFEE,
+        1024,
     )
-    assert struct.unpack_from("<7d", body, 56) == (0.125, -0.25, 0.5, 0.0, 1024.0, 1.0, 11.0)
-    assert body[56 + 7 * 8 :] == bytes(64)
-    assert len(datagram) == datagram_size(7) == 24 + 56 + 7 * 8 + 64 + 16
+    assert struct.unpack("<7d", body[64:]) == (0.125, -0.25, 0.5, 0.0, 1024.0, 1.0, 11.0)
+    assert len(datagram) == datagram_size(7) == 24 + 64 + 7 * 8 + 16
 
 
 @settings(deadline=None, max_examples=50)
@@ -86,7 +86,7 @@ def test_every_value_and_time_survives_the_way(values, tick, times, acknowledged
         tick, sent, echo_sent=echo_sent, echo_received=echo_received, acknowledged=(7, acknowledged)
     )
     opened = reader.open(writer.datagram, 0)
-    assert opened == (tick, sent, echo_sent, echo_received, 0, acknowledged, 0, 7)
+    assert opened == (tick, sent, echo_sent, echo_received, 0, acknowledged, 0, 7, tick)
     assert reader.values.tobytes() == writer.values.tobytes()
 
 
@@ -100,7 +100,7 @@ def test_the_two_directions_have_different_keys() -> None:
 
 def test_a_bundle_that_needs_two_datagrams_is_refused() -> None:
     fields = tuple(Field(name=f"v{i}", size=10) for i in range(20))
-    with pytest.raises(InputError, match=r"carries 200 numbers and needs 1760 bytes.*1232"):
+    with pytest.raises(InputError, match=r"carries 200 numbers and needs 1704 bytes.*1232"):
         PacketBundle(source="a", target="b", fields=fields, period=PERIOD, tick=TICK)
 
 

@@ -13,7 +13,7 @@ from cosim.base.component import Causality, Variable, VariableType
 from cosim.link.stream.bundle import Field, PacketBundle
 from cosim.link.stream.fate import Fate
 from cosim.link.stream.receiver import Receiver, ReceiverSettings, Release
-from cosim.link.wire.packet import BODY, HEADER, DataWriter, Opener, Sealer
+from cosim.link.wire.packet import HEADER, DataWriter, Opener, PacketFlag, Sealer
 from cosim.link.wire.window import WINDOW
 from tests.support.link.support import (
     OTHER_KEY,
@@ -89,18 +89,31 @@ def test_what_is_held_only_ever_gets_newer(order: list[int], gaps: list[int]) ->
     assert counts[Fate.ACCEPTED] + counts[Fate.REORDERED] == 12
 
 
-@pytest.mark.parametrize("flags", [4, 5, 1 << 31, 2**32 - 1])
+@pytest.mark.parametrize("flags", [8, 9, 1 << 31, 2**32 - 1])
 def test_a_flag_that_means_nothing_is_not_believed(pair: Pair, flags: int) -> None:
     assert pair.receiver.accept(memoryview(pair.packet(80, 0.01, flags=flags)), 81) is Fate.ABSURD
     assert not pair.receiver.stopping
     assert not pair.receiver.release(96)
 
 
-@pytest.mark.parametrize("place", [0, 7, 63])
-def test_nothing_travels_where_nobody_looks(pair: Pair, place: int) -> None:
-    pair.writer._plain[BODY.size + 8 * pair.receiver.bundle.size + place] = 1
-    assert pair.receiver.accept(memoryview(pair.packet(80, 0.01)), 81) is Fate.ABSURD
+@pytest.mark.parametrize("content", [-1, 81, 2**62, -(2**63)])
+def test_values_of_no_time_are_not_believed(pair: Pair, content: int) -> None:
+    packet = memoryview(pair.packet(80, 0.01, content=content))
+    assert pair.receiver.accept(packet, 81) is Fate.ABSURD
     assert not pair.receiver.release(96)
+
+
+def test_content_that_never_came_cannot_be_withheld(pair: Pair) -> None:
+    withheld = memoryview(pair.packet(80, content=72, flags=PacketFlag.WITHHELD))
+    assert len(withheld) < len(pair.packet(80))
+    assert pair.receiver.accept(withheld, 81) is Fate.ABSURD
+    assert not pair.receiver.release(96)
+
+
+def test_a_packet_is_as_long_as_it_says(pair: Pair) -> None:
+    writer = pair.writer
+    writer._short, writer._short_plain = writer._whole, writer._plain
+    assert pair.receiver.accept(memoryview(pair.packet(80, flags=4)), 81) is Fate.ABSURD
 
 
 def test_a_second_copy_is_a_duplicate_and_an_ancient_one_a_replay(pair: Pair) -> None:

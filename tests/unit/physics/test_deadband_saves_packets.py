@@ -99,3 +99,21 @@ def test_forces_of_the_server_follow_webers_law() -> None:
     assert bench["packets_sent"] == renewed
     # From 0.17 N to 0.85 N in steps of a tenth, or of 0.02 N below 0.2 N.
     assert 12 <= renewed <= 20
+
+
+@pytest.mark.parametrize("model", ["remote_client", "distributed_workstation", "central_server"])
+def test_a_packet_says_whether_its_content_is_repeated(model: str) -> None:
+    name = {"remote_client": "up", "central_server": "to_client_1"}.get(model, "shared")
+    for deadband in (0.0, K):
+        bench = Bench(model, [(0.5, 0.5)], deadband=deadband, deadband_longest=4)
+        repeated = []
+        for tick in range(10 * RATIO):
+            bench.put((0.5, 0.5))
+            if tick % RATIO == 0:
+                repeated.append(bool(bench[f"{name}.status"] & 128))
+                assert repeated[-1] == (bench[f"{name}.source_age"] > 0)
+            bench.step()
+        if deadband == 0.0:
+            assert not any(repeated)
+        else:
+            assert repeated == [number % 4 != 0 for number in range(10)]

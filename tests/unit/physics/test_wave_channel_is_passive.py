@@ -117,3 +117,29 @@ def test_an_impedance_of_zero_is_refused() -> None:
     for model in ("central_server", "remote_client"):
         with pytest.raises(Exception, match="wave_impedance"):
             Bench(model, [(0.0, 0.0)], force_channel=1, wave_impedance=0.0)
+
+
+@pytest.mark.parametrize("restarted", [False, True])
+def test_a_client_that_comes_back_is_heard_anew(restarted: bool) -> None:
+    """Neither what it sent while it did not count is played, nor is a lasting delay left."""
+    server = Bench("central_server", [(0.5, 0.5)], force_channel=1, wave_impedance=B, **HARD)
+    server.put((0.5, 0.5))
+    server["client_1.status"] = 2
+    away, back = range(800, 2400), 2400
+    integral, first, played = 0.0, 0, []
+    for tick in range(3200):
+        if restarted and tick == back:
+            integral, first = 0.0, back
+        server["peer_weight[1]"] = float(tick not in away)
+        if tick % RATIO == 0:
+            server["client_1.source_tick"] = tick - first
+            server["client_1.finger_1_wave"] = (integral, 0.0)
+        before = server["to_client_1.finger_1_wave"][0]
+        server.step()
+        # Far from the box all of a wave comes back, so that the rate is the wave that is played.
+        played.append((server["to_client_1.finger_1_wave"][0] - before) / T)
+        integral += T * (8.0 if tick in away else 2.0)
+    assert played[2 * RATIO : away[0]] == pytest.approx([2.0] * (away[0] - 2 * RATIO))
+    assert played[away[0] : away[-1]] == pytest.approx([0.0] * (len(away) - 1))
+    assert max(played[back:]) == pytest.approx(2.0)
+    assert played[back + 3 * RATIO :] == pytest.approx([2.0] * (800 - 3 * RATIO))
