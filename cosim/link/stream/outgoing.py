@@ -57,9 +57,7 @@ class Outgoing:
         """Send every bundle whose sample is due at ``tick``; fill ``writers[i].values`` before."""
         if self.session is None:
             return
-        for bundle, writer, content in zip(
-            self.bundles, self.writers, self.contents, strict=True
-        ):
+        for bundle, writer, content in zip(self.bundles, self.writers, self.contents, strict=True):
             if tick % bundle.period == 0:
                 since, withheld = content.of(tick, writer.values)
                 flags = PacketFlag.WITHHELD if withheld else 0

@@ -194,9 +194,7 @@ class Receiver:
         waiting = self._waiting
         if now < waiting.next_due or self.held:
             return False
-        self._held_order, self.tick, superseded, self.repeated = waiting.take(
-            now, self._held_bytes
-        )
+        self._held_order, self.tick, superseded, self.repeated = waiting.take(now, self._held_bytes)
         self.sequence = self._held_order[1]
         self.released_at = now
         self.delay = now - self.tick

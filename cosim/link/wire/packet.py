@@ -56,7 +56,7 @@ class PacketFlag(IntEnum):
     STOPPING = 1
     INITIAL = 2
     WITHHELD = 4
-    """Only what tells how the source is; its other values are those of the packet of ``content``."""
+    """Only what tells how the source is; its other values are those of before."""
 
 
 FLAGS = PacketFlag.STOPPING | PacketFlag.INITIAL | PacketFlag.WITHHELD
@@ -133,9 +133,7 @@ class DataWriter:
         self._whole = memoryview(bytearray(size))
         self._head = tuple(head)
         self._short = self._whole[: datagram_size(len(self._head))]
-        self._short_plain = memoryview(
-            bytearray(len(self._short) - HEADER.size - TAG_SIZE)
-        )
+        self._short_plain = memoryview(bytearray(len(self._short) - HEADER.size - TAG_SIZE))
         self._short_numbers = struct.Struct(f"<{len(self._head)}d")
         self.datagram = self._whole
         """What to send after :meth:`seal`; overwritten by the next one."""
@@ -220,5 +218,6 @@ class DataReader:
     def complete(self, content: memoryview) -> None:
         """After a packet without content: what it withholds is ``content``, the head its own."""
         self.content[:] = content
-        for place, value in zip(self.head, self._numbers.unpack_from(self._short, BODY.size)):
+        own = self._numbers.unpack_from(self._short, BODY.size)
+        for place, value in zip(self.head, own, strict=True):
             self.values[place] = value

@@ -39,12 +39,18 @@ def free_ports(count: int = 2) -> tuple[int, ...]:
     return tuple(found)
 
 
-def station(name: str, ports: tuple[int, ...], out: Path, *more: str) -> subprocess.Popen[str]:
+def station(
+    name: str,
+    ports: tuple[int, ...],
+    out: Path,
+    *more: str,
+    scenario: str = "two_users_box",
+) -> subprocess.Popen[str]:
     """Start a station; ``ports`` are those of station_a and station_b as it shall see them."""
     own, other = ports if name == "station_a" else ports[::-1]
     return subprocess.Popen(
         [
-            *(*COMMAND, "station", "two_users_box", "--as", name),
+            *(*COMMAND, "station", scenario, "--as", name),
             *("--listen", f"127.0.0.1:{own}", "--peer", f"127.0.0.1:{other}"),
             *("--no-realtime", "--no-figure", "--wait", "250", "--out", str(out / name), *more),
         ],

@@ -35,10 +35,11 @@ STALLED = 0.1
 """A loop that was once so late (s) has cost its peer more than a tenth of the run."""
 
 
-def run_both(out: Path, key: Path) -> Path | str:
+def run_both(out: Path, key: Path, scenario: str) -> Path | str:
     """One second of both stations, or in a sentence which of them did not keep time."""
     ports = free_ports()
-    processes = [station(name, ports, out, "--duration", "1", "--key", str(key)) for name in NAMES]
+    options = ("--duration", "1", "--key", str(key), "--set", "expect=~")
+    processes = [station(name, ports, out, *options, scenario=scenario) for name in NAMES]
     ended(processes, 200.0)
     for name in NAMES:
         manifest = json.loads((out / name / "manifest.json").read_text())
@@ -52,11 +53,18 @@ def run_both(out: Path, key: Path) -> Path | str:
     return out
 
 
-def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("scenario", "repeats"), [("two_users_box", False), ("thesis/grasp_deadband", True)]
+)
+def test_two_stations_meet_run_record_and_can_be_merged(
+    tmp_path, scenario: str, repeats: bool
+) -> None:
     key = tmp_path / "key"
     subprocess.run([*COMMAND, "keygen", str(key)], check=True, capture_output=True)
     base = tmp_path
-    tmp_path = timed(lambda number: run_both(base / f"attempt_{number}", key), tolerates=2e-3)
+    tmp_path = timed(
+        lambda number: run_both(base / f"attempt_{number}", key, scenario), tolerates=2e-3
+    )
     secret = key.read_text().split()[1]
     for name, peer in (("station_a", "station_b"), ("station_b", "station_a")):
         link = link_of(tmp_path / name)
@@ -65,6 +73,9 @@ def test_two_stations_meet_run_record_and_can_be_merged(tmp_path) -> None:
         assert link["sessions"] >= 1
         assert facts["streams"]["lan"]["accepted"] > 0
         assert facts["streams"]["lan"]["forged"] == 0
+        # What a deadband repeats is not sent, and makes nobody stale.
+        assert (facts["withheld"] > 0) is repeats
+        assert "stale" not in facts["streams"]["lan"]["lost_because"]
         for path in (tmp_path / name).iterdir():
             assert secret.encode() not in path.read_bytes()
     merged = subprocess.run(
