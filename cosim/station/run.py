@@ -10,8 +10,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from cosim.base.component import Component
-from cosim.base.errors import InputError
-from cosim.base.suggest import did_you_mean
 from cosim.link.session.client import HandshakeProcess
 from cosim.link.session.keys import read_key_file
 from cosim.link.session.start import EXCHANGES
@@ -36,6 +34,7 @@ from cosim.station.facts import link_facts
 from cosim.station.half import Half, Peer
 from cosim.station.merge import FULL_SCENARIO_FILE
 from cosim.station.pacing import CATCH_UP, StationPacer
+from cosim.station.partners import addresses_of, key_files_of
 from cosim.station.split import split
 
 EXCHANGES_TO_CHOOSE = 100
@@ -125,8 +124,8 @@ def run_station(
         full = simulation.assembly
         half = split(full, own)
     names = [peer.name for peer in half.peers]
-    addresses = _addresses(own, names, arrangement.peers)
-    key_files = _key_files(own, names, arrangement.key_files)
+    addresses = addresses_of(own, names, arrangement.peers)
+    key_files = key_files_of(own, names, arrangement.key_files)
     for address, key_file in zip(addresses, key_files, strict=True):
         refuse_open_network([arrangement.listen, address], has_key=key_file is not None)
     for key_file in dict.fromkeys(key_files):
@@ -242,43 +241,6 @@ def _bound_delays(
 def scenario_stations(half: Half) -> list[str]:
     """The stations that talk to each other, this one included."""
     return [half.own, *(peer.name for peer in half.peers)]
-
-
-def _addresses(own: str, names: list[str], given: Mapping[str, Address]) -> list[Address]:
-    """The address of every peer; one peer needs no name."""
-    if set(given) == {""} and len(names) == 1:
-        return [given[""]]
-    _check_names(own, names, given, "--peer")
-    missing = [name for name in names if name not in given]
-    if missing:
-        raise InputError(
-            f"{own} exchanges values with {', '.join(names)}; give the address of "
-            f"{missing[0]} with --peer {missing[0]}=host:port"
-        )
-    return [given[name] for name in names]
-
-
-def _key_files(own: str, names: list[str], given: Mapping[str, Path]) -> list[Path | None]:
-    """The key file of every peer; one peer needs no name."""
-    if "" in given and len(names) > 1:
-        raise InputError(
-            f"{own} talks to {', '.join(names)}: with one key for all, each of them could speak in "
-            f"another's name. Make a key for each pair, and give it with --key {names[0]}=FILE"
-        )
-    if set(given) == {""}:
-        return [given[""]]
-    _check_names(own, names, given, "--key")
-    paths = list(given.values())
-    if len({path.resolve() for path in paths}) < len(paths):
-        raise InputError("two peers have one key file: make a key for each pair with 'keygen'")
-    return [given.get(name) for name in names]
-
-
-def _check_names(own: str, names: list[str], given: Mapping[str, object], option: str) -> None:
-    for name in given:
-        if name not in names:
-            what = f"'{name}' is no peer of {own}" if name else f"{option} needs a station's name"
-            raise InputError(f"{what}.{did_you_mean(name, names)}")
 
 
 def _remote(

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 
-from cosim.base.component import Causality
 from cosim.base.errors import InputError
-from cosim.base.meaning import Meaning, Slot
-from cosim.base.quantities.units import conversion
+from cosim.base.meaning import Meaning
 from cosim.base.suggest import did_you_mean
-from cosim.link.stream.bundle import Field, PacketBundle
+from cosim.link.stream.bundle import PacketBundle
 from cosim.link.stream.form import read_link
 from cosim.link.stream.remote import LINK_FACTS, STREAM_FACTS
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Bundle as WiredBundle
-from cosim.master.assembly.wiring import Held, PacketFact, Signal, Source, Wire
-from cosim.master.components.interface import Element
+from cosim.master.assembly.wiring import Held, Signal, Wire
 from cosim.scenario import (
     Channel,
     Connection,
@@ -31,16 +27,8 @@ from cosim.scenario import (
 )
 from cosim.scenario.model import Value
 from cosim.station.half import Half, Peer
-
-PEER_FACTS = {
-    Meaning.PEER_WEIGHT: "weight",
-    Meaning.PEER_VALID: "valid",
-    Meaning.PEER_AGE: "age",
-}
-"""What the link says of a peer to the inputs that mean it."""
-
-FIRST = 1
-"""The peer that a variable is of where it does not say."""
+from cosim.station.peer_inputs import peer_inputs
+from cosim.station.signals import Signals, identifier, reference
 
 
 def split(assembly: Assembly, own: str) -> Half:
@@ -61,6 +49,7 @@ class _Splitter:
     def __init__(self, assembly: Assembly, own: str) -> None:
         self.assembly, self.own = assembly, own
         self.scenario = assembly.scenario
+        self.signals = Signals(assembly)
         self.peers: dict[str, Peer] = {}
         self.connections: list[Connection] = []
         self.channels: dict[str, Channel] = {}
@@ -157,19 +146,19 @@ class _Splitter:
         if self.own not in ends:
             return
         fields = {
-            self._element(entry.source): self._field(entry.source)
+            self.signals.name(entry.source): self.signals.field(entry.source)
             for entry in bundle.entries
             if isinstance(entry.source, Signal)
         }
         for entry in bundle.entries:
-            self._refuse_text(entry.source, channel)
+            self.signals.refuse_text(entry.source, channel)
         peer = self._peer(target if source == self.own else source)
         list_ = peer.sends if source == self.own else peer.receives
         name = bundle.name.rsplit(".", 1)[0] if " at " not in bundle.name else bundle.name
         linked = PacketBundle(
             source=source,
             target=target,
-            channel=_identifier(name),
+            channel=identifier(name),
             fields=tuple(fields.values()),
             period=bundle.period,
             tick=Fraction(1) / self.scenario.base_rate,
@@ -187,8 +176,8 @@ class _Splitter:
                 self.connections.append(
                     self._sampled(
                         Connection(
-                            source=_reference(signal.component, self._path(signal)),
-                            target=_reference(peer.component, self._element(signal)),
+                            source=reference(signal.component, self.signals.path(signal)),
+                            target=reference(peer.component, self.signals.name(signal)),
                             via=via,
                         ),
                         bundle,
@@ -205,11 +194,13 @@ class _Splitter:
             assert isinstance(wire.source, Held)
             origin = bundle.entries[wire.source.index].source
             assert isinstance(origin, Signal)
-            self._receive(peer, origin, wire.target, via)
-        self._drive_peer_inputs(number, linked, peer, wires, via)
+            self._receive(peer, origin, wire, via)
+        for fact, input_ in peer_inputs(self.assembly, self.signals, number, wires):
+            self._connect_fact(peer, linked, fact, input_, via)
 
-    def _receive(self, peer: Peer, origin: Signal, target: Signal, via: str | None) -> None:
+    def _receive(self, peer: Peer, origin: Signal, wire: Wire, via: str | None) -> None:
         """Connect a value that comes from a peer as the scenario connects it."""
+        target = wire.target
         written = self._written[self.assembly.wiring.connection_of[target]]
         if via is None and written.initial == "start":
             self._drop(
@@ -217,27 +208,20 @@ class _Splitter:
             )
         # What samples and delays is at the other end of the link, or the link itself.
         like = written if via else replace(written, rate=None, period=None, initial="source")
+        ignores = written.ignores_unit and self.signals.are_units_apart(origin, target)
+        if self.signals.has_own_unit(origin) and self.signals.are_units_apart(origin, target):
+            # A link knows a unit of the peer's FMU by name alone.
+            like = replace(like, factor=wire.gain, offset=wire.offset)
+            ignores = True
         self.connections.append(
             replace(
                 like,
-                source=_reference(peer.component, self._element(origin)),
-                target=_reference(target.component, self._path(target)),
+                source=reference(peer.component, self.signals.name(origin)),
+                target=reference(target.component, self.signals.path(target)),
                 via=via,
-                ignores_unit=written.ignores_unit and self._are_units_apart(origin, target),
+                ignores_unit=ignores,
             )
         )
-
-    def _are_units_apart(self, origin: Signal, target: Signal) -> bool:
-        """Whether there is something to ignore between two elements of a connection."""
-        here, there = (
-            self.assembly.participants[end.component].interface for end in (origin, target)
-        )
-        relative = [
-            interface.variables[end.variable].is_relative
-            for interface, end in ((here, origin), (there, target))
-        ]
-        units = here.unit(origin.variable), there.unit(target.variable)
-        return conversion(*units) != (1.0, 0.0) or relative[0] is not relative[1]
 
     def _sampled(self, connection: Connection, bundle: WiredBundle) -> Connection:
         """Through a channel, at the rate of a bundle; the link has its own."""
@@ -250,55 +234,11 @@ class _Splitter:
         if sentence not in self.dropped:
             self.dropped.append(sentence)
 
-    def _refuse_text(self, source: Source, channel: Channel) -> None:
-        """A packet of the link has numbers, eight bytes each."""
-        if not isinstance(source, Signal):
-            return
-        interface = self.assembly.participants[source.component].interface
-        if interface.variables[source.variable].type.is_text:
-            raise InputError(
-                f"{self._element(source)} goes through the channel {channel.name} and is a text; "
-                "the link between stations carries numbers alone. Simulate it with 'cohaptic run', "
-                "or connect numbers."
-            )
-
-    def _drive_peer_inputs(
-        self,
-        number: int,
-        bundle: PacketBundle,
-        peer: Peer,
-        wires: Sequence[Wire],
-        via: str | None,
-    ) -> None:
-        """Connect weight, validity and age to the inputs that wait for them, and packet facts."""
-        driven = self.assembly.wiring.connection_of
-        slots = dict.fromkeys(
-            (wire.target.component, self._slot(wire.target).peer or FIRST) for wire in wires
-        )
-        for component, place in slots:
-            interface = self.assembly.participants[component].interface
-            for path, element in interface.elements.items():
-                variable = interface.variables[element.variable]
-                meaning = variable.meaning_of(element.index)
-                fact = None if meaning is None else PEER_FACTS.get(meaning)
-                if fact is None or variable.causality is not Causality.INPUT:
-                    continue
-                if (variable.slot_of(element.index).peer or FIRST) != place:
-                    continue
-                if Signal(component, element.variable, element.index) not in driven:
-                    target = _reference(component, path)
-                    self._connect_fact(peer, bundle, fact, target, via)
-        for wire in self.assembly.wiring.wires:
-            fact = wire.source
-            if isinstance(fact, PacketFact) and fact.bundle == number:
-                target = _reference(wire.target.component, self._path(wire.target))
-                self._connect_fact(peer, bundle, fact.name, target, via)
-
     def _connect_fact(
         self, peer: Peer, bundle: PacketBundle, fact: str, target: Reference, via: str | None
     ) -> None:
         """Connect what the link says of a stream; simulated impairments on top add to its age."""
-        source = _reference(peer.component, f"{bundle.channel}.{fact}")
+        source = reference(peer.component, f"{bundle.channel}.{fact}")
         if fact != "age" or via is None:
             self._connect(source, target, via)
             return
@@ -314,9 +254,9 @@ class _Splitter:
                 period=1,
             )
             way = "forward" if self.channels[via].between[1] == self.own else "backward"
-            self._connect(source, _reference(helper, "at_link"), via)
-            self._connect(_reference(via, f"{way}.age"), _reference(helper, "on_the_way"), None)
-        self._connect(_reference(helper, "total"), target, None)
+            self._connect(source, reference(helper, "at_link"), via)
+            self._connect(reference(via, f"{way}.age"), reference(helper, "on_the_way"), None)
+        self._connect(reference(helper, "total"), target, None)
 
     def _keep_own_connections(self) -> None:
         for connection in self.scenario.connections:
@@ -356,28 +296,3 @@ class _Splitter:
             ]
             for fact in [*facts, *LINK_FACTS]:
                 yield Record(pattern=f"{peer.component}.{fact}")
-
-    def _field(self, signal: Signal) -> Field:
-        variable = self.assembly.participants[signal.component].interface.variables[signal.variable]
-        one = replace(variable, shape=(), meaning=variable.meaning_of(signal.index))
-        return Field.of(one, self._element(signal))
-
-    def _slot(self, signal: Signal) -> Slot:
-        variables = self.assembly.participants[signal.component].interface.variables
-        return variables[signal.variable].slot_of(signal.index)
-
-    def _element(self, signal: Signal) -> str:
-        return f"{signal.component}.{self._path(signal)}"
-
-    def _path(self, signal: Signal) -> str:
-        interface = self.assembly.participants[signal.component].interface
-        return interface.element_name(Element(signal.variable, signal.index))
-
-
-def _reference(component: str, path: str) -> Reference:
-    return Reference(component=component, path=path)
-
-
-def _identifier(name: str) -> str:
-    """A channel's name that can be part of a variable's."""
-    return re.sub(r"\W+", "_", name)

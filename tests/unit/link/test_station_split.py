@@ -20,7 +20,7 @@ from cosim.run import run_scenario
 from cosim.scenario import load
 from cosim.station.contract import contract_of
 from cosim.station.halves import refuse_unusable_halves
-from cosim.station.run import _addresses, _key_files
+from cosim.station.partners import addresses_of, key_files_of
 from cosim.station.split import split
 
 ADD = "add_impairments: true"
@@ -214,26 +214,26 @@ def test_mistakes_are_sentences(box) -> None:
     with pytest.raises(InputError, match="nothing crosses a channel"):
         split(single, single.scenario.stations[0])
     with pytest.raises(InputError, match="--peer station_b=host:port"):
-        _addresses("station_a", ["station_b"], {})
+        addresses_of("station_a", ["station_b"], {})
     with pytest.raises(InputError, match=r"'station_d' is no peer.*Did you mean station_b"):
-        _addresses("station_a", ["station_b"], {"station_d": Address("127.0.0.1", 1)})
+        addresses_of("station_a", ["station_b"], {"station_d": Address("127.0.0.1", 1)})
     address = Address("127.0.0.1", 1)
     for given in ({"": address}, {"station_b": address}):
-        assert _addresses("station_a", ["station_b"], given) == [address]
+        assert addresses_of("station_a", ["station_b"], given) == [address]
 
 
 def test_every_pair_has_a_key_of_its_own(tmp_path) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
     both = ["station_b", "station_c"]
-    assert _key_files("station_a", ["station_b"], {"": one}) == [one]
-    assert _key_files("station_a", both, {"station_c": two, "station_b": one}) == [one, two]
-    assert _key_files("station_a", both, {}) == [None, None]
+    assert key_files_of("station_a", ["station_b"], {"": one}) == [one]
+    assert key_files_of("station_a", both, {"station_c": two, "station_b": one}) == [one, two]
+    assert key_files_of("station_a", both, {}) == [None, None]
     with pytest.raises(InputError, match="each of them could speak in another's name"):
-        _key_files("station_a", both, {"": one})
+        key_files_of("station_a", both, {"": one})
     with pytest.raises(InputError, match="two peers have one key file"):
-        _key_files("station_a", both, {"station_c": one, "station_b": one})
+        key_files_of("station_a", both, {"station_c": one, "station_b": one})
     with pytest.raises(InputError, match=r"'station_x' is no peer of station_a"):
-        _key_files("station_a", both, {"station_x": one})
+        key_files_of("station_a", both, {"station_x": one})
 
 
 @pytest.mark.parametrize(
