@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cosim.thesis.page import limit, number
+from cosim.thesis.predictions import PREDICTIONS
 from cosim.thesis.statements import Decided, Measured
 
 BEGIN, END = "<!-- statements, written by a test -->", "<!-- end of statements -->"
@@ -14,7 +15,7 @@ BEGIN, END = "<!-- statements, written by a test -->", "<!-- end of statements -
 def statements_table(decided: Sequence[Decided]) -> str:
     """Markdown between ``BEGIN`` and ``END``, both included."""
     rows = [
-        "| statement | expected: measured | ablation: what it misses | verdict |",
+        "| statement | expected: measured (origin of the limit) | ablation: what it misses | verdict |",
         "|---|---|---|---|",
     ]
     for item in decided:
@@ -32,7 +33,8 @@ def with_table(page: str, decided: Sequence[Decided]) -> str:
 
 def _evidence(measured: Measured) -> str:
     found = [_entry(one) for one in measured.found]
-    return f"{measured.evidence.meaning}: {'; '.join(found) or 'not measured'}"
+    origin = PREDICTIONS[measured.evidence.scenario, measured.evidence.label].derivation
+    return f"{measured.evidence.meaning}: {'; '.join(found) or 'not measured'} ({origin})"
 
 
 def _ablation(measured: Measured) -> str:

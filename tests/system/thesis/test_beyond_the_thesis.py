@@ -19,9 +19,9 @@ from cosim.thesis.findings import FINDINGS, BeyondPart
 from cosim.thesis.free_motions import DELAYS as PREDICTED_DELAYS
 from cosim.thesis.free_motions import PREDICTORS, REALISM, prediction
 from cosim.thesis.page import write_page
+from cosim.thesis.single_axis import net_force_amplitude
 from cosim.thesis.statements import ablation_runs, decide
 from cosim.thesis.trials import Motion, Steadiness, free_motion
-from tests.support.thesis.single_axis import net_force_amplitude
 
 
 @pytest.fixture(scope="module")

@@ -11,14 +11,17 @@ from pathlib import Path
 import pytest
 
 from cosim.analysis import load_tuned
+from cosim.base.quantities.quantity import quantity
 from cosim.run import run_scenario
 from cosim.scenario import load
 from cosim.thesis.experiments import run_one
+from cosim.thesis.extensions import EXTENSIONS
 from cosim.thesis.figures import FIGURES, draw_figures
 from cosim.thesis.page import write_page
+from cosim.thesis.predictions import PREDICTIONS
+from cosim.thesis.single_axis import net_force_amplitude
 from cosim.thesis.statements import EXPERIMENTS, STATEMENTS, ablation_runs, decide
 from cosim.thesis.table import with_table
-from tests.support.thesis.single_axis import net_force_amplitude
 
 PAGE = Path(__file__).parents[3] / "docs" / "experiments.md"
 NET_FORCE = "vr_a.finger_1.normal_force - vr_b.finger_1.normal_force"
@@ -60,6 +63,34 @@ def test_each_ablation_fails_its_statement(summaries):
     for item in decide(summaries, {}):
         for ablated in item.ablated:
             assert ablated.passed is False, (item.statement.name, ablated.evidence)
+
+
+def test_every_statement_and_every_piece_of_evidence_has_an_ablation_that_must_fail():
+    for statement in (*STATEMENTS, *EXTENSIONS):
+        if statement.undecidable:
+            continue
+        ablated = {(each.evidence.scenario, each.evidence.label) for each in statement.ablations}
+        assert ablated, statement.name
+
+
+def test_every_limit_has_an_origin_and_the_computed_ones_are_the_scenarios():
+    for statement in (*STATEMENTS, *EXTENSIONS):
+        for evidence in statement.evidence:
+            assert (evidence.scenario, evidence.label) in PREDICTIONS, evidence
+    for (scenario, label), prediction in PREDICTIONS.items():
+        if prediction.value is None:
+            continue
+        value = prediction.value()
+        limits = [
+            float(quantity(limit, unit))
+            for target, windows in load(f"thesis/{scenario}").expect.items()
+            for key, pair in windows.get(label, {}).items()
+            if key.endswith("_within")
+            for unit in ("m" if "position" in target else "1",)
+            for limit in pair
+        ]
+        wanted = [value * (1 + sign * prediction.tolerance) for sign in (-1, 1)]
+        assert sorted(map(abs, limits)) == pytest.approx(wanted, rel=0.01), scenario
 
 
 def test_limits_that_an_ablation_meets_as_well_decide_nothing(summaries):
