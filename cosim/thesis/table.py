@@ -15,7 +15,7 @@ BEGIN, END = "<!-- statements, written by a test -->", "<!-- end of statements -
 def statements_table(decided: Sequence[Decided]) -> str:
     """Markdown between ``BEGIN`` and ``END``, both included."""
     rows = [
-        "| statement | expected: measured (origin of the limit) | ablation: what it misses | verdict |",
+        "| statement | expected: measured (origin) | ablation: what it misses | verdict |",
         "|---|---|---|---|",
     ]
     for item in decided:
