@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from cosim.thesis.single_axis import LINEAR, ON_THE_TABLE, TURNING, Axis, net_force_amplitude
+from cosim.thesis.single_axis import LINEAR, ON_THE_TABLE, TURNING, TwoCopies, net_force_amplitude
 
 NULL = -1.844
 """Damping that nulls the added damping at n = 1 in the full model, on both copies (N·s/m)."""
@@ -34,7 +34,7 @@ class Prediction:
     tolerance: float = 0.1
 
 
-def _force(compensation: float, axis: Axis, tolerance: float = 0.1) -> Prediction:
+def _force(compensation: float, axis: TwoCopies, tolerance: float = 0.1) -> Prediction:
     return Prediction(
         "independent computation on a single axis",
         lambda: net_force_amplitude(1, compensation, axis),

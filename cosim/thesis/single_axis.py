@@ -20,7 +20,7 @@ Gains = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class TwoCopies:
     """Two copies on one axis, in N/m or N·m/rad.
 
     ``friction`` (N, N·m) is the ground's on each copy; ``hand`` is ``None`` where user 2 is away.
@@ -36,13 +36,13 @@ class Axis:
     frequency: float = 2.0
 
 
-LINEAR = Axis()
+LINEAR = TwoCopies()
 """The free motion of figure 8.3, along the normal."""
 
-ON_THE_TABLE = Axis(friction=0.05 * 0.4 * 9.81)
+ON_THE_TABLE = TwoCopies(friction=0.05 * 0.4 * 9.81)
 """The same with section 8.1's friction: 0.196 N on each copy."""
 
-TURNING = Axis(
+TURNING = TwoCopies(
     mass=6.7e-4,
     hand=None,
     local=(2 * 1200 * 0.05**2, 2 * 10 * 0.05**2),
@@ -69,7 +69,7 @@ class _Body:
 
 
 def net_force_amplitude(
-    round_trip: int, compensation: float, axis: Axis = LINEAR, seconds: float = 20.0
+    round_trip: int, compensation: float, axis: TwoCopies = LINEAR, seconds: float = 20.0
 ) -> float:
     """Amplitude (N, N·m) at the sine's frequency of both users' forces on their copies, added up.
 
