@@ -9,7 +9,7 @@ from cosim.base.meaning import Meaning
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import PacketFact, Signal, Wire
 from cosim.scenario import Reference
-from cosim.station.signals import Signals, reference
+from cosim.station.signals import StationSignals, reference
 
 PEER_FACTS = {
     Meaning.PEER_WEIGHT: "weight",
@@ -23,7 +23,7 @@ FIRST = 1
 
 
 def peer_inputs(
-    assembly: Assembly, signals: Signals, number: int, wires: Sequence[Wire]
+    assembly: Assembly, signals: StationSignals, number: int, wires: Sequence[Wire]
 ) -> Iterator[tuple[str, Reference]]:
     """Of bundle ``number``, whose values go along ``wires``: facts and the inputs they go to."""
     driven = assembly.wiring.connection_of

@@ -15,7 +15,7 @@ from cosim.master.components.interface import Element
 from cosim.scenario import Channel, Reference
 
 
-class Signals:
+class StationSignals:
     """Looks elements up in the interfaces of an assembly's components."""
 
     def __init__(self, assembly: Assembly) -> None:

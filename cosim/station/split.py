@@ -28,7 +28,7 @@ from cosim.scenario import (
 from cosim.scenario.model import Value
 from cosim.station.half import Half, Peer
 from cosim.station.peer_inputs import peer_inputs
-from cosim.station.signals import Signals, identifier, reference
+from cosim.station.signals import StationSignals, identifier, reference
 
 
 def split(assembly: Assembly, own: str) -> Half:
@@ -49,7 +49,7 @@ class _Splitter:
     def __init__(self, assembly: Assembly, own: str) -> None:
         self.assembly, self.own = assembly, own
         self.scenario = assembly.scenario
-        self.signals = Signals(assembly)
+        self.signals = StationSignals(assembly)
         self.peers: dict[str, Peer] = {}
         self.connections: list[Connection] = []
         self.channels: dict[str, Channel] = {}
