@@ -23,6 +23,10 @@ FORCE_SCALE = 0.02
 """Metres drawn for a newton."""
 TRAIL = 1.5
 """Seconds that a trail goes back."""
+BODIES = 0.16
+"""Height (m) over which the bodies of a single axis are spread ..."""
+BODY_ROW = 24
+"""... and the least that each has (pixels)."""
 MARGIN = 0.03
 GRID = 0.05
 TITLE = 26
@@ -276,8 +280,11 @@ class Painter:
         places = self._poses.one(body["position"])
         if places is None or not isfinite(places[number]):
             return
-        y = 0.16 * (0.5 - (order + 0.5) / len(self._scene["bodies"]))
-        px, py = self._view.at((places[number], y))
+        count = len(self._scene["bodies"])
+        # Below one another, however far they go and so however few pixels a metre has.
+        row = max(BODIES / count * self._view.scale, BODY_ROW * OVERSAMPLED)
+        px, middle = self._view.at((places[number], 0.0))
+        py = middle + (order + 0.5 - count / 2) * row
         w, h = 12 * OVERSAMPLED, 9 * OVERSAMPLED
         pen.rectangle((px - w, py - h, px + w, py + h), fill=self._colours[f"user-{order % 4}"])
         where = (px + 1.5 * w, py)

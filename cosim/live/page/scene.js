@@ -423,9 +423,11 @@ export class Scene {
     if (x === null) return;
     const pen = this.#context;
     const count = this.#scene.bodies.length;
-    const y = 0.16 * (0.5 - (index + 0.5) / count);
+    // Below one another, however far they go and so however few pixels a metre has.
+    const row = Math.max((0.16 / count) * this.#metre, 24);
     pen.fillStyle = user(index);
-    const [px, py] = this.#at(x, y);
+    const [px, middle] = this.#at(x, 0);
+    const py = middle + (index + 0.5 - count / 2) * row;
     pen.fillRect(px - 12, py - 9, 24, 18);
     pen.textAlign = "left";
     this.#text(body.name, px + 18, py + 4);

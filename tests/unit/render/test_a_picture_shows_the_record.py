@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from cosim.record.scene import read_scene
 from cosim.render.colours import colours, mixed
 from cosim.render.film import FORMATS, WRITERS
 from cosim.render.picture import OVERSAMPLED, Painter, view_of
-from cosim.render.poses import frame_ticks, read_poses
+from cosim.render.poses import Poses, frame_ticks, read_poses
 from cosim.run import run_scenario
 
 SIZE = (320, 240)
@@ -164,3 +165,21 @@ def test_the_sides_of_an_mp4_are_even(run_folder: Path, tmp_path: Path) -> None:
 def test_the_command_knows_every_format() -> None:
     assert set(FILMS) == set(FORMATS) == set(WRITERS)
     assert OVERSAMPLED >= 2
+
+
+@pytest.mark.parametrize("metres", [0.01, 3.0, 200.0])
+def test_bodies_stand_below_one_another_however_far_they_drift(metres: float) -> None:
+    """A view of many metres has few pixels for each, and the bodies still have a row each."""
+    names = [f"body_{number}" for number in range(4)]
+    bodies = [{"name": "", "position": name} for name in names]
+    scene = {kind: [] for kind in ("boxes", "fingers", "walls", "pointers", "channels")}
+    scene |= {"bodies": bodies}
+    poses = Poses(np.arange(2.0), {name: np.array([0.0, metres]) for name in names})
+    picture = np.asarray(Painter(scene, poses, SIZE, scheme="light").frame(0), np.int64)
+    rows: list[np.ndarray] = []
+    for number in range(4):
+        colour = colours("light")[f"user-{number}"]
+        rows.append(np.nonzero((np.abs(picture - colour).max(axis=2) <= 2).any(axis=1))[0])
+        assert rows[-1].size >= 14, "a body is 18 pixels high, its edges softened"
+    for above, below in itertools.pairwise(rows):
+        assert above.max() < below.min()
