@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from cosim.record.export.scene_entities import SCHEMA, TOPIC, json_schema, scene_updates
 from cosim.record.export.table import Table, needed
 from cosim.record.export.texts import ChangeTable
 from cosim.record.reader import Run
@@ -24,6 +25,8 @@ NANOSECONDS = 1_000_000_000
 
 def write_mcap(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """``run.mcap``: a topic for each group, log times in simulated ns; texts as JSON messages.
+
+    Where the run left a scene, ``/scene`` shows it in Foxglove's 3D panel.
 
     The metadata record ``signals/GROUP`` holds the original name and unit of each field.
 
@@ -39,6 +42,8 @@ def write_mcap(tables: list[Table], texts: list[ChangeTable], folder: Path) -> l
             _write_topic(writer, table)
         for text in texts:
             _write_texts(writer, text)
+        if tables:
+            _write_scene(writer, tables)
         writer.finish()
     return [path]
 
@@ -106,6 +111,29 @@ def _write_texts(writer: Any, texts: ChangeTable) -> None:
             log_time=at,
             publish_time=at,
             data=json.dumps(message).encode(),
+            sequence=number,
+        )
+
+
+def _write_scene(writer: Any, tables: list[Table]) -> None:
+    """What of the scene is exported, over the time that is exported."""
+    run = tables[0].run
+    names = {signal.name for table in tables for signal in table.signals}
+    first = min(int(table.ticks(0, 1)[0]) for table in tables)
+    last = max(int(table.ticks(table.rows - 1, table.rows)[0]) for table in tables) + 1
+    channel: int | None = None
+    for number, (tick, message) in enumerate(scene_updates(run, names, first, last)):
+        if channel is None:
+            schema = writer.register_schema(name=SCHEMA, encoding="jsonschema", data=json_schema())
+            channel = writer.register_channel(
+                topic=TOPIC, message_encoding="json", schema_id=schema
+            )
+        at = _nanoseconds(run, tick)
+        writer.add_message(
+            channel_id=channel,
+            log_time=at,
+            publish_time=at,
+            data=json.dumps(message, separators=(",", ":")).encode(),
             sequence=number,
         )
 
