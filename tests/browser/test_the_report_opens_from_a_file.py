@@ -64,6 +64,11 @@ def test_it_fits_the_window(chromium, minute, width, scheme):
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.locator("#plots figure").count() >= 3
         assert page.locator("#stage").is_visible()
+        page.locator("#ran").scroll_into_view_if_needed()
+        lower = "document.getElementById('ran').getBoundingClientRect().top"
+        assert page.evaluate(
+            f"{lower} > document.getElementById('stage').getBoundingClientRect().bottom"
+        )
 
 
 def test_a_minute_opens_in_a_second(chromium, minute):
