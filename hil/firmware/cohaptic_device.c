@@ -1,50 +1,9 @@
 #include "cohaptic_device.h"
 
+#include "cohaptic_frames.h"
+
 enum { COMMAND = 0x01, REPLY = 0x81, COMMAND_BYTES = 16, REPLY_PLAIN = 20 }; /* with their checksums */
 static const uint16_t LONGEST_WATCHDOG_MS = 100;
-
-static uint16_t crc16(const uint8_t *data, size_t length) {
-    uint16_t crc = 0xFFFF;
-    for (size_t i = 0; i < length; i++) {
-        crc ^= (uint16_t)(data[i] << 8);
-        for (int bit = 0; bit < 8; bit++) {
-            crc = (uint16_t)(crc & 0x8000 ? (crc << 1) ^ 0x1021 : crc << 1);
-        }
-    }
-    return crc;
-}
-
-static void copy(void *to, const void *from, size_t length) {
-    for (size_t i = 0; i < length; i++) ((uint8_t *)to)[i] = ((const uint8_t *)from)[i];
-}
-
-/* Returns the plain length, 0 where the bytes cannot have been stuffed. */
-static size_t unstuff(const uint8_t *data, size_t length, uint8_t *plain) {
-    size_t place = 0, written = 0;
-    while (place < length) {
-        size_t size = data[place];
-        if (size == 0 || place + size > length) return 0;
-        for (size_t i = 1; i < size; i++) plain[written++] = data[place + i];
-        place += size;
-        if (place < length) plain[written++] = 0;
-    }
-    return written;
-}
-
-static size_t stuff(const uint8_t *plain, size_t length, uint8_t *out) {
-    size_t code = 0, written = 1;
-    for (size_t i = 0; i < length; i++) {
-        if (plain[i] == 0) {
-            out[code] = (uint8_t)(written - code);
-            code = written++;
-        } else {
-            out[written++] = plain[i];
-        }
-    }
-    out[code] = (uint8_t)(written - code);
-    out[written++] = 0;
-    return written;
-}
 
 /* A number that is none, or larger than any motor here can give, is no torque. */
 static int is_torque(float value) { return value > -10.0f && value < 10.0f; }
@@ -86,10 +45,7 @@ static size_t answer(const Device *device, const uint8_t *command, uint32_t now_
     plain[3] = command[3];
     copy(plain + 4, &now_us, 4);
     copy(plain + 8, count, 8);
-    uint16_t crc = crc16(plain, REPLY_PLAIN - 2);
-    plain[REPLY_PLAIN - 2] = (uint8_t)(crc >> 8);
-    plain[REPLY_PLAIN - 1] = (uint8_t)crc;
-    return stuff(plain, REPLY_PLAIN, reply);
+    return sealed(plain, REPLY_PLAIN - 2, reply);
 }
 
 size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32_t count[2],
@@ -104,8 +60,7 @@ size_t device_receive(Device *device, uint8_t byte, uint32_t now_us, const int32
     size_t length = device->overflow ? 0 : unstuff(device->pending, device->length, plain);
     device->length = device->overflow = 0;
     if (length != COMMAND_BYTES || plain[0] != COMMAND) return 0;
-    uint16_t given = (uint16_t)(plain[length - 2] << 8 | plain[length - 1]);
-    if (crc16(plain, length - 2) != given || !take(device, plain, now_us)) return 0;
+    if (!is_whole(plain, length) || !take(device, plain, now_us)) return 0;
     return answer(device, plain, now_us, count, reply);
 }
 

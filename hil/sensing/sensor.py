@@ -168,6 +168,8 @@ class Sensor:
         for _ in range(FIRST_TRIES):
             if self._next() is not None:
                 return
+            if self.state is State.FAULT:
+                break
         raise DeviceError(self.fault_sentence() if self.fault else self._why_none())
 
     def _why_none(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import struct
 from collections.abc import Callable
 
@@ -77,9 +78,86 @@ class ForceSensorBoard(Board):
         )
 
 
+class _Sensor(ctypes.Structure):
+    _fields_ = (
+        ("counts", ctypes.c_int32 * CHANNELS),
+        ("serial", ctypes.c_uint32),
+        ("channels", ctypes.c_uint8),
+        ("status", ctypes.c_uint8),
+        ("clipped", ctypes.c_uint8),
+        ("overflow", ctypes.c_uint8),
+        ("length", ctypes.c_uint8),
+        ("pending", ctypes.c_uint8 * 16),
+    )
+
+
+class FirmwareSensorBoard(Board):
+    """The C reference, a byte at a time; ``firmware`` is its library."""
+
+    def __init__(
+        self,
+        world: World,
+        hand_force: Callable[[], Pair],
+        *,
+        firmware: str,
+        serial: int = 4711,
+        tick: float = 1 / 1024,
+    ) -> None:
+        super().__init__(world)
+        self._hand_force, self._serial, self._tick = hand_force, serial, tick
+        self._library = ctypes.CDLL(firmware)
+        self._library.sensor_receive.restype = ctypes.c_size_t
+        self._sensor = _Sensor()
+        self._begin()
+
+    def _begin(self) -> None:
+        self._time = 0.0
+        self._library.sensor_init(
+            ctypes.byref(self._sensor), ctypes.c_uint8(CHANNELS), ctypes.c_uint32(self._serial)
+        )
+
+    def receive(self, unit: Unit) -> list[Unit]:
+        """Feed the bytes."""
+        assert isinstance(unit, bytes)
+        answers: list[Unit] = []
+        answer = (ctypes.c_uint8 * 40)()
+        self._convert()
+        for byte in unit:
+            size = self._library.sensor_receive(
+                ctypes.byref(self._sensor),
+                ctypes.c_uint8(byte),
+                ctypes.c_uint32(round(self._time * 1e6) & 0xFFFFFFFF),
+                answer,
+            )
+            if size:
+                answers.append(bytes(answer)[:size])
+                self.world.boundary()
+        return answers
+
+    def tick(self) -> list[Unit]:
+        """Its clock goes on; a restart sets it anew."""
+        self._time += self._tick
+        if self.world.fault(FaultKind.RESTART):
+            self._begin()
+        return []
+
+    def _convert(self) -> None:
+        counts = [round(each * MILLINEWTONS) for each in self._hand_force()] + [0] * (CHANNELS - 2)
+        if self.world.fault(FaultKind.SATURATE):
+            counts[0] = END
+        if self.world.fault(FaultKind.BROWN_OUT):
+            self._library.sensor_report(ctypes.byref(self._sensor), ctypes.c_uint8(BROWN_OUT))
+        self._library.sensor_sample(
+            ctypes.byref(self._sensor),
+            (ctypes.c_int32 * CHANNELS)(*(max(-END, min(END, count)) for count in counts)),
+            (ctypes.c_int32 * CHANNELS)(*[END] * CHANNELS),
+        )
+
+
 def make(order: Order, world: World) -> Made:
-    """A sensor on a pseudo-terminal."""
+    """A sensor on a pseudo-terminal; with the option ``firmware``, the C reference."""
     link, body = on_terminal(order), world.body
     assert isinstance(body, SimulatedPantograph), "an emulator moves a simulated pantograph"
-    board = ForceSensorBoard(world, lambda: body.hand_force, tick=order.tick, **order.options)
+    kind = FirmwareSensorBoard if "firmware" in order.options else ForceSensorBoard
+    board = kind(world, lambda: body.hand_force, tick=order.tick, **order.options)
     return board, link, f"force_sensor://{link.path}"

@@ -1,6 +1,7 @@
 /* Two brushless motors under SimpleFOC as a cohaptic device, over the framed protocol: open it as cobs:///dev/ttyACM0.
  *
- * Put cohaptic_device.c and cohaptic_device.h beside this file. SimpleFOC's own text commander is not used:
+ * Put cohaptic_device.c, cohaptic_device.h and cohaptic_frames.h beside this file. SimpleFOC's own text
+ * commander is not used:
  * it has no watchdog and no checksum, so one lost byte changes a torque and a dead host leaves it standing.
  * Change what stands between the two lines; then try it, motors' supply off first:
  *   cohaptic device conform cobs:///dev/ttyACM0 --file cobs.device.yaml

@@ -26,6 +26,7 @@ from hil.device.life import Alarm
 from hil.drivers.force_sensor.driver import ForceSensorDriver
 from hil.drivers.force_sensor.preset import KNOWN
 from hil.emulation.launch import Emulator, Order
+from hil.firmware.build import build
 from hil.sensing.conform import SENSOR_RULES, SensorBench, conform_sensor
 from hil.sensing.sensor import Sensor
 from hil.sensing.sensor_file import parse as parse_file
@@ -39,9 +40,17 @@ def file_of(**values):
     return parse_file({"driver": "force_sensor", **values}, KNOWN, "six_axis")
 
 
-@pytest.fixture
-def emulator():
-    with Emulator(Order(name="force_sensor", lockstep=True, parameters=QUANSER)) as made:
+@pytest.fixture(scope="module")
+def firmware(tmp_path_factory) -> str:
+    """The C reference of a board that measures."""
+    return str(build(tmp_path_factory.mktemp("firmware"), "cohaptic_sensor"))
+
+
+@pytest.fixture(params=["emulator", "C firmware"])
+def emulator(request, firmware):
+    options = {"firmware": firmware} if request.param == "C firmware" else {}
+    order = Order(name="force_sensor", lockstep=True, parameters=QUANSER, options=options)
+    with Emulator(order) as made:
         yield made
 
 
@@ -167,6 +176,7 @@ class Wire:
         self.url = f"force_sensor://{os.ttyname(self._slave)}"
         self.counts, self.serial, self.heard = counts, serial, b""
         self.is_silent = False
+        self.answered = threading.Event()
         self._channels = len(counts) if channels is None else channels
         self._time = 0
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -177,6 +187,7 @@ class Wire:
             self.heard += data
             for part in data.split(b"\0")[:-1]:
                 self._answer(unstuffed(part))
+                self.answered.set()
 
     def _read(self):
         try:
@@ -197,6 +208,11 @@ class Wire:
             body += struct.pack(f"<{len(self.counts)}i", *self.counts)
         whole = body + struct.pack(">H", binascii.crc_hqx(body, 0xFFFF))
         os.write(self._master, stuffed(whole) + b"\0")
+
+    def pause(self):
+        """Until it has answered, however busy the machine is."""
+        self.answered.wait(1)
+        self.answered.clear()
 
     def close(self):
         os.close(self._slave)
@@ -225,6 +241,7 @@ def unstuffed(data):
 
 def opened(board, **values):
     made = Sensor(ForceSensorDriver, parse(board.url), file_of(**values))
+    made.driver.pause = board.pause
     made.configure()
     return made
 
@@ -266,6 +283,7 @@ def test_counts_become_newtons_and_what_nothing_measures_is_no_number(wired):
 def test_what_was_in_fault_is_opened_again_and_its_siblings_may_push(wired):
     board, alarm = wired((1000,)), Alarm()
     sensor = Sensor(ForceSensorDriver, parse(board.url), file_of(**LOAD_CELL), alarm=alarm)
+    sensor.driver.pause = board.pause
     for _ in range(2):
         with sensor:
             sensor.configure()
