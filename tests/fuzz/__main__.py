@@ -10,8 +10,9 @@ import argparse
 import re
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
+
+from tests.support.scratch import scratch_folder
 
 PLACE = Path(__file__).parent
 LONGEST_INPUT = 2048
@@ -25,7 +26,7 @@ def main() -> int:
     parser.add_argument("--corpus", type=Path, help="keep what was found here and begin with it")
     parser.add_argument("--fuzz-one", action="store_true", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
-    corpus = chosen.corpus or Path(tempfile.mkdtemp(prefix="cohaptic-fuzz-"))
+    corpus = chosen.corpus or scratch_folder("fuzz")
     if chosen.fuzz_one:
         _fuzz(chosen.targets[0], chosen.seconds, corpus)
     return _run_all(chosen.targets, chosen.seconds, corpus)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from hil.setup.options import check_options
 from hil.setup.registry import find, names
 from tests.fuzz.script import Script
 from tests.fuzz.wire import Rest
+from tests.support.scratch import scratch_folder
 
 WORDS = (
     *("driver", "preset", "serial", "date", "estop", "geometry", "joints", "home", "limits"),
@@ -134,7 +134,7 @@ def side_channel(data: bytes) -> None:
 def _server() -> Any:
     import socket
 
-    path = Path(tempfile.mkdtemp(prefix="cohaptic-fuzz-")) / "control"
+    path = scratch_folder("fuzz") / "control"
     server = Server(CobsBoard(World(Rest((1, 2)), lockstep=False)), PtyLink(), path, tick=1 / 1024)
     return server, socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
@@ -167,7 +167,7 @@ def ring_file(data: bytes) -> None:
 
 @functools.cache
 def _folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="cohaptic-fuzz-"))
+    return scratch_folder("fuzz")
 
 
 TARGETS = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import tempfile
 import zlib
 from fractions import Fraction
 from pathlib import Path
@@ -23,6 +22,7 @@ from cosim.link.stream.receiver import Receiver, ReceiverSettings
 from cosim.link.wire.packet import DataWriter, Opener, Sealer
 from tests.fuzz.script import Script, spoil
 from tests.support.link.support import KEY, TICK, both_ends, make_pair, small_bundle
+from tests.support.scratch import scratch_folder
 
 SENDER = ("127.0.0.1", 47000)
 
@@ -218,7 +218,7 @@ def _negotiator() -> SessionNegotiator:
 
 @functools.cache
 def _folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="cohaptic-fuzz-"))
+    return scratch_folder("fuzz")
 
 
 TARGETS = {

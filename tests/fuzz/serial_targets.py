@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import functools
 import struct
-import tempfile
 from math import isfinite
-from pathlib import Path
 
 from hil.device.contract import ZERO, Flag, State
 from hil.device.errors import ProtocolError
@@ -23,6 +21,7 @@ from hil.wire import slcan_lines as slcan
 from tests.fuzz import oracle
 from tests.fuzz.script import Script, spoil
 from tests.fuzz.wire import Rest, on_wire
+from tests.support.scratch import scratch_folder
 
 PUSH = (0.01, -0.01)
 LONGEST = cobs_frames.LONGEST_FRAME
@@ -92,7 +91,7 @@ def cobs_boards(data: bytes) -> None:
 
 @functools.cache
 def _firmware() -> str:
-    return str(build(Path(tempfile.mkdtemp(prefix="cohaptic-fuzz-"))))
+    return str(build(scratch_folder("fuzz")))
 
 
 def cobs_driver(data: bytes) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmus import find, model_names, probe
 from fmus.archive import FLAVOURS
 from fmus.builder import Source, source_of
+from tests.support.scratch import scratch_folder
 
 STEP = 1 / 1024
 MODELS = model_names()
@@ -41,7 +41,7 @@ def step_of(name: str) -> float:
 
 @functools.cache
 def unpacked(name: str, flavour: str) -> tuple[str, Any]:
-    folder = extract(str(path_of(name, flavour)), tempfile.mkdtemp(prefix="cohaptic-test-"))
+    folder = extract(str(path_of(name, flavour)), str(scratch_folder("test")))
     return str(folder), read_model_description(str(folder), validate=False)
 
 

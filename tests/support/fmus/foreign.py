@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import tempfile
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from cosim.master.fmu.binding import platform_folder
 from fmus.compiler import compile_library, host_platform
+from tests.support.scratch import scratch_folder
 
 SOURCE = Path(__file__).parent / "native" / "foreign.c"
 FMI2_TYPES = {"Float64": "Real", "Int32": "Integer"}
@@ -83,7 +83,7 @@ def foreign_fmu(
 def _library(snippet: str) -> bytes:
     """Compiled with the pinned compiler; what it takes of the C library, the process has."""
     name = hashlib.sha256(snippet.encode()).hexdigest()[:12]
-    folder = Path(tempfile.mkdtemp(prefix="cohaptic-test-"))
+    folder = scratch_folder("test")
     (folder / "snippet.h").write_text(snippet)
     library = folder / f"{name}{host_platform().suffix}"
     compile_library(host_platform(), library, [SOURCE], include=[folder])

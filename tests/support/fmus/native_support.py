@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from fmus.builder import FOLDER, support_files
 from fmus.compiler import compile_library, host_platform
+from tests.support.scratch import scratch_folder
 
 SOURCE = Path(__file__).parent / "native" / "probe.c"
 INCLUDE = [FOLDER / "fmi", FOLDER / "libm", FOLDER / "libm" / "musl"]
@@ -22,7 +22,7 @@ BINARY = ("atan2", "pow", "fmod", "hypot", "fmin", "fmax", "copysign")
 
 @functools.cache
 def library() -> Any:
-    path = Path(tempfile.mkdtemp(prefix="cohaptic-test-")) / f"probe{host_platform().suffix}"
+    path = scratch_folder("test") / f"probe{host_platform().suffix}"
     compile_library(host_platform(), path, [SOURCE, *support_files()], include=INCLUDE)
     loaded = ctypes.CDLL(str(path))
     loaded.probe_parse.argtypes = (ctypes.c_char_p, ctypes.POINTER(ctypes.c_double))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,7 @@ from hil.emulation.launch import Order
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.world import World
 from hil.wire.side_channel import Control
+from tests.support.scratch import scratch_folder
 
 QUANSER = {"initial_tip_position": (0.0425, 0.2)}
 
@@ -25,7 +25,7 @@ QUANSER = {"initial_tip_position": (0.0425, 0.2)}
 def board_process(kind: Callable[..., Board]) -> Iterator[SimpleNamespace]:
     """``url``, ``home`` and ``control`` of the board that ``kind(world, tick=...)`` makes."""
     context: Any = multiprocessing.get_context("forkserver")
-    folder = tempfile.mkdtemp(prefix="cohaptic-board-")
+    folder = str(scratch_folder("board"))
     lifeline, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(kind, folder, theirs), daemon=True)
     process.start()

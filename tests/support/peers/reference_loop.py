@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+
+from tests.support.scratch import scratch_folder
 
 
 def main() -> None:
@@ -41,7 +42,7 @@ def run(path: str, step: Fraction, ticks: int) -> dict[str, list[Any]]:
     }
     fmu = (FMU2Slave if version == "2" else FMU3Slave)(
         guid=description.guid,
-        unzipDirectory=fmpy.extract(path, tempfile.mkdtemp()),
+        unzipDirectory=fmpy.extract(path, str(scratch_folder("test"))),
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName="it",
     )
