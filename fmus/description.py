@@ -68,18 +68,25 @@ def add_log_categories(parent: ET.Element) -> None:
         add(categories, "Category", name=name, description=description)
 
 
-def add_meanings(parent: ET.Element, elements: list[SlotElement]) -> None:
-    """``Meaning`` for each element that has one; ``element`` numbers those of an array from 1."""
+def add_meanings(
+    parent: ET.Element, elements: list[SlotElement], *, variable: str | None = None
+) -> None:
+    """``Meaning`` for each element that has one; ``element`` numbers those of an array from 1.
+
+    All of it stands in attributes: checkers of descriptions refuse text in an annotation.
+    """
     for element in elements:
         if element.meaning is not None:
             slot = element.belongs_to
             add(
                 parent,
                 "Meaning",
+                name=element.meaning.value,
+                variable=variable,
                 element=str(element.index + 1) if len(elements) > 1 else None,
                 peer=None if slot.peer is None else str(slot.peer),
                 finger=None if slot.finger is None else str(slot.finger),
-            ).text = element.meaning.value
+            )
 
 
 def feedthrough(layout: SlotLayout, placed: Placed) -> list[Placed]:

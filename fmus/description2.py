@@ -97,7 +97,7 @@ def _add_variable(variables: ET.Element, element: SlotElement) -> None:
         return
     annotations = add(scalar, "Annotations")
     if variable.role is not None:
-        add(add(annotations, "Tool", name=description.ROLE), "Role").text = variable.role
+        add(add(annotations, "Tool", name=description.ROLE), "Role", name=variable.role)
     if element.meaning is not None:
         description.add_meanings(add(annotations, "Tool", name=description.MEANING), [element])
 

@@ -47,7 +47,7 @@ def model_description(model: Model, *, token: str, arrays: bool) -> bytes:
     add(root, "DefaultExperiment", startTime="0.0", stepSize=repr(model.default_step))
     variables = add(root, "ModelVariables")
     for placed in layout.placed:
-        if arrays:
+        if arrays and placed.variable.is_array:
             _add_variable(variables, placed.path, elements_of(placed), placed.variable.size)
         else:
             for element in elements_of(placed):
@@ -63,6 +63,7 @@ def model_description(model: Model, *, token: str, arrays: bool) -> bytes:
         unit="s" if "s" in layout.units else None,
     )
     _add_structure(root, layout, arrays=arrays)
+    _add_notes_of_enumerations(root, layout)
     return description.to_text(root)
 
 
@@ -88,7 +89,8 @@ def terminals(model: Model, *, arrays: bool) -> bytes | None:
         )
         for member, path in terminal.members.items():
             placed = layout.find(path)
-            names = [path] if arrays else [element.name for element in elements_of(placed)]
+            whole = arrays and placed.variable.is_array
+            names = [path] if whole else [element.name for element in elements_of(placed)]
             for name in names:
                 add(
                     node,
@@ -137,10 +139,11 @@ def _add_variable(
         start=" ".join(starts) if starts and variable.type != "string" else None,
     )
     meanings = [element for element in elements if element.meaning is not None]
-    if variable.role is not None or meanings:
+    if variable.enumeration is None and (variable.role is not None or meanings):
         annotations = add(node, "Annotations")
         if variable.role is not None:
-            add(annotations, "Annotation", type=description.ROLE).text = variable.role
+            role = add(annotations, "Annotation", type=description.ROLE)
+            add(role, "Role", name=variable.role)
         if meanings:
             description.add_meanings(
                 add(annotations, "Annotation", type=description.MEANING), elements
@@ -152,11 +155,35 @@ def _add_variable(
             add(node, "Start", value=text)
 
 
+def _add_notes_of_enumerations(root: ET.Element, layout: SlotLayout) -> None:
+    """At the end of the whole description, each with the name of its ``variable``."""
+    elements = [
+        element
+        for element in description.scalars(layout.placed)
+        if element.variable.enumeration is not None
+    ]
+    meant = [element for element in elements if element.meaning is not None]
+    annotations = ET.Element("Annotations")
+    for element in elements:
+        if element.variable.role is not None:
+            role = add(annotations, "Annotation", type=description.ROLE)
+            add(role, "Role", name=element.variable.role, variable=element.name)
+    if meant:
+        annotation = add(annotations, "Annotation", type=description.MEANING)
+        for element in meant:
+            description.add_meanings(annotation, [element], variable=element.name)
+    if len(annotations):
+        root.append(annotations)
+
+
 def _add_structure(root: ET.Element, layout: SlotLayout, *, arrays: bool) -> None:
     def references(places: list[Placed]) -> list[str]:
-        if arrays:
-            return [str(placed.slot) for placed in places]
-        return [str(element.slot) for element in description.scalars(places)]
+        return [
+            str(element.slot)
+            for placed in places
+            for element in elements_of(placed)
+            if element.index == 0 or not (arrays and placed.variable.is_array)
+        ]
 
     structure = add(root, "ModelStructure")
     for placed in layout.placed:

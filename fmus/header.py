@@ -120,7 +120,9 @@ def _element(element: SlotElement) -> str:
     else:
         initial = f".integer = {int(start or 0)}"
     access = "ACCESS_TUNABLE" if variable.tunable else _GLUE_ACCESS[variable.causality]
-    length = variable.size or 1 if element.index == 0 else 0
+    length = 1
+    if variable.is_array:
+        length = variable.size if element.index == 0 else 0
     return (
         f"    [{element.slot}] = {{{_string(element.name)}, {_GLUE_TYPE[variable.type]}, "
         f"{access}, {length}, {minimum}, {maximum}, {{{initial}}}}},"

@@ -81,6 +81,15 @@ class ModelVariable:
     initial_depends_on: tuple[str, ...] = ()
 
     @property
+    def is_array(self) -> bool:
+        """Whether FMI 3.0 may have it as one variable with a dimension.
+
+        Not an enumeration: the schema of 3.0.0, which checkers still have, forbids that by an
+        oversight (3.0.1 mended it), and annotations of an enumeration, too.
+        """
+        return self.size is not None and self.enumeration is None
+
+    @property
     def variability(self) -> str:
         """When the value may change (FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.4)."""
         if self.causality in {"parameter", "calculatedParameter"}:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import mkdtemp
 
 import pytest
 
@@ -56,8 +57,7 @@ def does_not_grow(short: Callable[[], int], long: Callable[[], int]) -> bool:
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="peak memory is read in /proc")
 def test_ten_minutes_take_the_memory_of_ten_seconds(tmp_path: Path) -> None:
     def peak(seconds: int) -> int:
-        path = tmp_path / str(seconds) / "run.h5"
-        path.parent.mkdir()
+        path = Path(mkdtemp(dir=tmp_path)) / "run.h5"
         done = subprocess.run(
             [sys.executable, "-c", RECORD, str(path), str(seconds)],
             capture_output=True,
@@ -80,7 +80,7 @@ def test_two_users_take_less_than_300_mb_however_long(tmp_path: Path) -> None:
 
     def peak(seconds: int, *options: str) -> int:
         command = [sys.executable, "-c", "from cosim.cli import main; main()", "run"]
-        out = tmp_path / str(seconds)
+        out = Path(mkdtemp(dir=tmp_path)) / "run"
         length = ["--duration", str(seconds), "--out", str(out)]
         done = subprocess.run(
             [*command, "two_users_box", "--json", *length, *options],
