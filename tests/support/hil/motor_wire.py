@@ -6,6 +6,7 @@ answers. The other reads at the host's own end, so what it was told is what was 
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -33,6 +34,9 @@ from tests.support.hil.motors.told import Told
 Pair = tuple[float, float]
 SERIAL = {"haply": haply, "cobs": cobs}
 HOMES = {"haply": [2.4, 0.9]}
+FAKE_BUS = f"fake://of_{os.getpid()}"
+"""A bus within this process; who else tests on this machine has its own."""
+
 NODES = {"odrive": "0,1", "canopen": "1", "cia402": "1,2"}
 
 
@@ -191,7 +195,7 @@ def on_motors(name: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Devi
     """
     board, _, pipelined = name.partition(", ")
     wire, kind = MotorWire(board), find(board)
-    url = f"{board}+fake://can0?nodes={NODES[board]}" if board in NODES else f"{board}:///dev/none"
+    url = f"{board}+{FAKE_BUS}?nodes={NODES[board]}" if board in NODES else f"{board}:///dev/none"
     url += "&pipelined=1" if pipelined else ""
     if board in SERIAL:
         monkeypatch.setattr(SERIAL[board], "SerialPort", lambda *_: wire)

@@ -17,8 +17,9 @@ from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.wire import can_bus
 from hil.wire.can_port import CanFrame, FrameKind
+from tests.support.hil.motor_wire import FAKE_BUS
 
-URL = "odrive+fake://can0?nodes=0,1"
+URL = f"odrive+{FAKE_BUS}?nodes=0,1"
 HOME = [2.2873, 0.8543]
 
 
