@@ -31,7 +31,7 @@ from cosim.theory.robust.network import bounded_bursts
     show_default=True,
     help="Whether the directions lose packets each by itself or together.",
 )
-@loop_options(chapter=6)
+@loop_options(chapter=6, exact=True)
 def command(*, loop: Loop, as_json: bool, longest: int, losses: Losses) -> None:
     """Bounds of the joint spectral radius of losses in bursts of at most L packets.
 

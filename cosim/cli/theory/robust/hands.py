@@ -22,7 +22,7 @@ from cosim.theory.robust.hands import Interval, robustness, uncertain_hands
     metavar="COUNT",
     help="From 1 rad/s to half the network rate.",
 )
-@loop_options(chapter=6)
+@loop_options(chapter=6, exact=True)
 def command(
     *,
     loop: Loop,

@@ -48,7 +48,7 @@ from cosim.theory.robust.two_port import default_frequencies, two_port
     metavar="T",
     help="Of their weight 1/|1 + jωT|, s.",
 )
-@loop_options(chapter=6)
+@loop_options(chapter=6, exact=True)
 def command(
     *,
     loop: Loop,

@@ -22,7 +22,7 @@ from cosim.theory.stability.spectral_radius import stability
     is_flag=True,
     help="Receivers never go back to an older packet: an age grows by one a period at most.",
 )
-@loop_options(chapter=6)
+@loop_options(chapter=6, exact=True)
 def command(
     *,
     loop: Loop,

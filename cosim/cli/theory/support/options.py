@@ -71,6 +71,7 @@ def loop_options(
     implied: Callable[[Mapping[str, Any]], Architecture | None] | None = None,
     *,
     runs: bool = False,
+    exact: bool = False,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Add the shared options to a command, which then takes ``loop`` and ``as_json``.
 
@@ -79,6 +80,7 @@ def loop_options(
         implied: the architecture that the command's own options imply, which may then be left
             unsaid, but not contradicted.
         runs: a scenario is taken as it runs: ``loop`` is then a ``RunLoop``.
+        exact: a scenario whose run is another loop than the one it is read as is refused.
     """
 
     def decorate(function: Callable[..., None]) -> Callable[..., None]:
@@ -105,7 +107,7 @@ def loop_options(
                         f"--architecture {meant}."
                     )
                 shared["architecture"] = meant
-            function(loop=_loop(chapter, **shared), **values)
+            function(loop=_loop(chapter, exact=exact, **shared), **values)
 
         decorated: Callable[..., None] = wrapper
         for option in reversed((*_OPTIONS[:-1], *(RUN_OPTIONS if runs else ()), _OPTIONS[-1])):
@@ -173,6 +175,7 @@ _OPTIONS = (
 def _loop(
     chapter: int,
     *,
+    exact: bool,
     architecture: str | None,
     scenario: str | None,
     overlays: tuple[str, ...],
@@ -193,7 +196,7 @@ def _loop(
         given_delay = read_delay(*delay_forms)
     if scenario is not None:
         paths = tuple(text for text in settings if "." in text.partition("=")[0])
-        found, loaded = _from_scenario(scenario, overlays, paths)
+        found, loaded = _from_scenario(scenario, overlays, paths, exact=exact)
         if architecture not in {None, found.architecture} or users not in {None, found.users}:
             raise InputError(
                 f"{scenario} is {found.architecture} with {found.users} users, which contradicts "
@@ -238,14 +241,20 @@ def _loop(
 
 
 def _from_scenario(
-    name: str, overlays: tuple[str, ...], paths: tuple[str, ...]
+    name: str, overlays: tuple[str, ...], paths: tuple[str, ...], *, exact: bool
 ) -> tuple[ScenarioLoop, Scenario]:
     from cosim.analysis.loop import read_loop, refuse_what_chapters_leave_out
-    from cosim.scenario import load
+    from cosim.scenario.load import read
 
-    scenario = load(name, overlays, paths)
+    written = read(name, overlays, paths)
+    scenario = written.built()
     refuse_what_chapters_leave_out(scenario)
-    return read_loop(scenario), scenario
+    found = read_loop(scenario)
+    if exact:
+        from cosim.analysis.exact_loop import refuse_another_loop
+
+        refuse_another_loop(written, found)
+    return found, scenario
 
 
 def read_setting(text: str) -> tuple[str, float]:
