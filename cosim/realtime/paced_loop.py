@@ -16,8 +16,9 @@ from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.channels.packets import BLOCK
 from cosim.master.components.blame import told
-from cosim.master.kernel.native import KernelOutcome, library
+from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Program
+from cosim.master.kernel.structures import KernelOutcome
 from cosim.master.run.diagnosis import moment
 from cosim.master.run.guard import StatusReturnedError, guarded
 from cosim.master.run.interrupt import Wish

@@ -57,6 +57,8 @@ class ScenarioComponent:
     leaves it to the component itself. A bundled FMU has ``True``, any other ``False``."""
     is_strict: bool = False
     """fmu: whether a description that breaks rules of the standard is refused; else it is noted."""
+    event_mode: bool | None = None
+    """fmu: whether its event mode is used; ``None``: where it has clocks."""
     is_isolated: bool = False
     """fmu: whether it is asked to run in a process of its own."""
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])

@@ -110,6 +110,8 @@ def _component(part: ScenarioComponent) -> dict[str, Any]:
             written["validate"] = "strict"
         if part.is_isolated:
             written["isolate"] = "process"
+        if part.event_mode is not None:
+            written["event_mode"] = part.event_mode
     if part.parameters:
         written["parameters"] = _plain(part.parameters)
     if part.start:

@@ -12,7 +12,8 @@ import numpy as np
 
 from cosim.link.stream.admission import Admission, Plausibility
 from cosim.link.stream.bundle import Floats, PacketBundle
-from cosim.master.kernel.native import AdmissionStruct, library
+from cosim.master.kernel.native import library
+from cosim.master.kernel.structures import AdmissionStruct
 
 _VERDICTS = tuple(Plausibility)
 _REMEMBERED = 64

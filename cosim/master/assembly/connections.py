@@ -226,6 +226,12 @@ class _Wirer:
         return Held(bundle, len(entries) - 1)
 
     def _check_driver(self, connection: Connection, pair: _Pair) -> None:
+        if pair.target_variable.type.is_text and self._uses_events(pair.target.component):
+            raise InputError(
+                f"{connection}: {pair.target.variable} is a {pair.target_variable.type}, which "
+                "changes between two events; that is not carried in event mode (write "
+                f"'event_mode: false' at {pair.target.component})"
+            )
         other = self.wiring.connection_of.get(pair.target)
         if other is not None:
             raise InputError(
@@ -233,6 +239,10 @@ class _Wirer:
                 f"{connection}; remove one"
             )
         self.wiring.connection_of[pair.target] = str(connection)
+
+    def _uses_events(self, component: str) -> bool:
+        interface = self.interfaces.get(component)
+        return interface is not None and interface.events is not None
 
     def _check_measurable(self, connection: Connection, pair: _Pair) -> None:
         """A device has no value for what only a simulation knows, so nothing may be fed by it."""

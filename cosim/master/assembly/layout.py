@@ -6,10 +6,12 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from cosim.base.component import Variable
+from cosim.base.component import Causality, Variable
 from cosim.master.assembly.plan import Act, Part, Plan
 from cosim.master.assembly.wiring import Held, Signal, Source, Wiring
+from cosim.master.components.clocks import age_of
 from cosim.master.components.interface import size_of
+from cosim.master.kernel.structures import CLOCK_AGE, CLOCK_CELLS, CLOCK_COUNT
 
 
 @dataclass(slots=True)
@@ -19,6 +21,12 @@ class Layout:
     cells: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
     wanted: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
     """Of what may be turned: the first cell of what it shall be; ``cells`` has what is in force."""
+    events: dict[str, int] = field(default_factory=dict[str, int])
+    """Of a component in event mode: the cell of the time of its next event; its clocks follow."""
+    latched: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
+    """Where what is read at events waits until outputs are read: the first cell."""
+    before: dict[tuple[str, str], int] = field(default_factory=dict[tuple[str, str], int])
+    """What an input was that is set when it changes: the first cell."""
     held: list[int] = field(default_factory=list[int])
     age: list[int] = field(default_factory=list[int])
     sequence: list[int] = field(default_factory=list[int])
@@ -40,6 +48,8 @@ class Layout:
     def owner(self, cell: int) -> tuple[str, str, int]:
         """Component, variable and element behind a variable's cell."""
         known = self.wanted if self.wanted and cell >= min(self.wanted.values()) else self.cells
+        if self.latched and cell >= min(self.events.values()):
+            known = dict(sorted(self.latched.items(), key=lambda item: item[1]))
         firsts = list(known.values())
         number = bisect_right(firsts, cell) - 1
         component, variable = list(known)[number]
@@ -83,4 +93,33 @@ def lay_out(
     for name, variable in knobs.items():
         layout.wanted[name] = layout.count
         layout.count += size_of(variable)
+    for component, part in sorted(parts.items()):
+        _place_events(layout, component, part)
     return layout
+
+
+def _place_events(layout: Layout, component: str, part: Part) -> None:
+    facts, variables = part.interface.events, part.interface.variables
+    if facts is None:
+        return
+    layout.events[component] = layout.count
+    layout.count += 1
+    for clock in facts.clocks:
+        if not clock.is_triggered_input:
+            layout.latched[component, clock.name] = layout.count + CLOCK_COUNT
+        if clock.has_age:
+            layout.latched[component, age_of(clock.name)] = layout.count + CLOCK_AGE
+        layout.count += CLOCK_CELLS
+    for variable in variables.values():
+        name = variable.name
+        if name in facts.clock_names():
+            continue
+        if variable.causality is Causality.INPUT:
+            if name in facts.clocked or not facts.is_event_input(variable):
+                continue
+            layout.before[component, name] = layout.count
+        elif name in facts.clocked:
+            layout.latched[component, name] = layout.count
+        else:
+            continue
+        layout.count += size_of(variable)

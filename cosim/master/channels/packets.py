@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.wiring import Bundle
 from cosim.master.channels.fates import NO_COPY, FateStream
-from cosim.master.kernel.native import BundleStruct
+from cosim.master.kernel.structures import BundleStruct
 from cosim.scenario import Direction
 
 BLOCK = 1024

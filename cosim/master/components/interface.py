@@ -17,6 +17,7 @@ from cosim.base.component import Causality, Variable
 from cosim.base.errors import InputError
 from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean, index_hint
+from cosim.master.components.clocks import EventFacts
 
 _INDEXED = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
 _SIGNALS = {Causality.INPUT, Causality.OUTPUT, Causality.LOCAL}
@@ -62,6 +63,8 @@ class Interface:
     units: Mapping[str, Unit] = field(default_factory=dict[str, Unit])
     skipped: frozenset[str] = frozenset()
     """Variables of the FMU that have values in event mode alone."""
+    events: EventFacts | None = None
+    """What happens at events, where an FMU's event mode is used."""
     knobs: set[str] = field(default_factory=set[str], init=False)
     """The tunable parameters that may be turned in this run: connected and recorded as inputs."""
     elements: dict[str, Element] = field(init=False)
@@ -143,8 +146,8 @@ class Interface:
             return Selection("group", group, named=True)
         if path in self.skipped:
             raise InputError(
-                f"{self.component}.{path} belongs to a clock, which ticks in event mode alone; it "
-                "cannot be connected or recorded"
+                f"{self.component}.{path} belongs to a clock, which ticks in event mode alone, and "
+                "that is not used; it cannot be connected or recorded"
             )
         raise InputError(f"{self.component} has no variable '{path}'.{self.suggest(path)}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from cosim.master.assembly.clock import Clock
 from cosim.master.components import python_component as python
+from cosim.master.components.clocks import check_grid
 from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import SETTABLE, STARTABLE, resolve_values
 from cosim.master.components.table import table_of
@@ -188,9 +190,11 @@ def _read_fmu(
     if parameters:
         sizes = {name: int(elements[0]) for name, elements in parameters.items()}
         description = read_description(path, sizes)
+    description = _in_its_mode(description, written, problems)
     others = {k: v for k, v in written.parameters.items() if k not in structural}
     parameters |= _values(written, description, "parameters", others, problems)
     substeps, note = choose_substeps(description, clock, written.period, written.substeps)
+    _check_clocks(description, written, written.period * clock.tick / substeps, problems)
     return Participant(
         name=written.name,
         period=written.period,
@@ -201,6 +205,38 @@ def _read_fmu(
         substeps=substeps,
         notes=tuple(note for note in (note, *_of_description(description)) if note),
     )
+
+
+def _in_its_mode(
+    description: FmuDescription, written: scenarios.ScenarioComponent, problems: Problems
+) -> FmuDescription:
+    """With clocks, where event mode is used: where it is asked for, and where there are clocks."""
+    wanted = written.event_mode
+    if wanted and not description.has_event_mode:
+        with problems.at(("components", written.name, "event_mode")):
+            raise InputError(
+                f"{written.name}: the FMU {description.path.name} has no event mode (hasEventMode, "
+                "of FMI 3.0); leave 'event_mode' out"
+            )
+    if description.has_event_mode and (bool(description.clocks) if wanted is None else wanted):
+        return description.with_events()
+    return description
+
+
+def _check_clocks(
+    description: FmuDescription,
+    written: scenarios.ScenarioComponent,
+    step: Fraction,
+    problems: Problems,
+) -> None:
+    if description.events is None:
+        return
+    for clock in description.events.clocks:
+        with problems.at(("components", written.name, "rate")):
+            check_grid(clock, step)
+    for name in {*written.start} & description.events.clock_names():
+        with problems.at(("components", written.name, "start", name)):
+            raise InputError(f"{written.name}.{name} is a clock's: it has no value to start with")
 
 
 def notes_of(participants: Mapping[str, Participant]) -> list[str]:
@@ -215,6 +251,9 @@ def _of_description(description: FmuDescription) -> list[str]:
         notes.append(
             f"{', '.join(outputs)} of the FMU {description.path.name} belong to clocks, which "
             "tick in event mode alone: they are skipped"
+            if description.events is None
+            else f"{', '.join(outputs)} of the FMU {description.path.name} are texts that belong "
+            "to clocks: they are skipped"
         )
     return notes
 

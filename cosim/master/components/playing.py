@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cosim.base.component import Played
 from cosim.master.assembly.clock import Clock
-from cosim.master.kernel.native import PlayedStruct
+from cosim.master.kernel.structures import PlayedStruct
 
 SLACK = 0.01
 """How far beside a step a row counts from it all the same (steps): times in files are rounded."""

@@ -24,6 +24,17 @@ OK, WARNING = 0, 1
 FATAL = 4
 """The status after which all instances of a library are lost."""
 
+EVENT_FUNCTIONS = (
+    "EnterEventMode",
+    "EnterStepMode",
+    "UpdateDiscreteStates",
+    "SetClock",
+    "GetClock",
+    "GetIntervalDecimal",
+    "GetShiftDecimal",
+)
+"""What is called in event mode, without its prefix."""
+
 Prototype = tuple[Any, tuple[Any, ...]]
 """What a function returns (``None``, a status or a pointer), and its arguments."""
 
@@ -113,8 +124,25 @@ class Binding(Protocol):
 
     handle: int
 
-    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
+    def instantiate(
+        self,
+        name: str,
+        token: str,
+        resources: Path,
+        *,
+        log_all: bool,
+        event_mode: bool,
+        early_return: bool,
+    ) -> bool:
         """Make the instance; whether the FMU did."""
+        ...
+
+    def missing_event_functions(self) -> list[str]:
+        """What the library lacks for event mode."""
+        ...
+
+    def event_addresses(self) -> list[int]:
+        """Where the functions of event mode begin, in the order of ``EVENT_FUNCTIONS``."""
         ...
 
     def choose_log_categories(self, categories: Sequence[str]) -> int:

@@ -9,6 +9,7 @@ from typing import Any
 
 from cosim.base.component import VariableType
 from cosim.master.fmu.binding import (
+    EVENT_FUNCTIONS,
     OK,
     Assignment,
     Beginnings,
@@ -149,6 +150,15 @@ class Bound:
         """Where the set or get function of a type begins."""
         verb = "Set" if is_set else "Get"
         return self._functions.address(f"{self._prefix}{verb}{self._types[kind][0]}")
+
+    def missing_event_functions(self) -> list[str]:
+        """What the library lacks for event mode."""
+        names = [f"{self._prefix}{name}" for name in EVENT_FUNCTIONS]
+        return [name for name in names if name not in self._functions]
+
+    def event_addresses(self) -> list[int]:
+        """Where the functions of event mode begin."""
+        return [self._functions.address(f"{self._prefix}{name}") for name in EVENT_FUNCTIONS]
 
     def reset(self) -> int | None:
         """Go back to what ``instantiate`` made; ``None`` where the library cannot."""

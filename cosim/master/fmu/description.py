@@ -6,7 +6,7 @@ import importlib
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,13 @@ from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import exact
 from cosim.base.quantities.units import BASES, Unit, unit_of
+from cosim.master.components.clocks import (
+    MOST_CLOCKS,
+    EventFacts,
+    clock_facts,
+    clock_variables,
+    read_clocks,
+)
 from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import misfit
 from cosim.master.fmu.meanings import NOTHING, Meant, read_meanings
@@ -50,6 +57,8 @@ class FmuDescription:
     terminals: Mapping[str, Mapping[str, str]]
     units: Mapping[str, Unit]
     log_categories: tuple[str, ...]
+    varies_step: bool
+    """Whether its steps may have any length."""
     fixed_step: Fraction | None
     """The step (s) that an FMU which cannot vary its step was made for."""
     step_size: Fraction | None
@@ -61,6 +70,17 @@ class FmuDescription:
     """Rules of the standard that the description breaks, and with which it can be used."""
     skipped: Mapping[str, str]
     """The clocked variables, which have values in event mode alone, and their causality."""
+    has_event_mode: bool
+    clocks: list[dict[str, Any]]
+    """The clocks, as ``read_clocks`` found them."""
+    at_events: tuple[Variable, ...]
+    """Numbers that belong to clocks."""
+    clocked: Mapping[str, tuple[str, ...]]
+    """The clocks of each clocked variable."""
+    at_start: tuple[str, ...]
+    """The clocked variables that have a value in initialisation mode."""
+    events: EventFacts | None
+    """What to do at events, where event mode is used."""
     needs_tool: bool
     """Whether its library only talks to a tool that has to be installed."""
     saves_state: bool
@@ -77,6 +97,37 @@ class FmuDescription:
             terminals=self.terminals,
             units=self.units,
             skipped=frozenset(self.skipped),
+            events=self.events,
+        )
+
+    def with_events(self) -> FmuDescription:
+        """The same FMU, its event mode in use: clocks and what belongs to them are there.
+
+        Raises:
+            InputError: a clock's ticks do not follow from what it says, or there are too many.
+        """
+        clocks = tuple(clock_facts(plain, self.references) for plain in self.clocks)
+        if len(clocks) > MOST_CLOCKS:
+            raise InputError(
+                f"{self.path} has {len(clocks)} clocks; up to {MOST_CLOCKS} are driven"
+            )
+        clocked = {each.name: each for each in self.at_events}
+        variables = {**self.variables, **clocked}
+        variables |= {each.name: each for each in clock_variables(clocks)}
+        own = [name for name in variables if name not in self.variables]
+        return replace(
+            self,
+            variables=variables,
+            references={**self.references, **dict.fromkeys(set(own) - set(self.references), 0)},
+            dependencies={**self.dependencies, **dict.fromkeys(own, ())},
+            initial_dependencies={**self.initial_dependencies, **dict.fromkeys(own, ())},
+            skipped={name: why for name, why in self.skipped.items() if name not in variables},
+            events=EventFacts(
+                clocks=clocks,
+                clocked={name: self.clocked[name] for name in clocked},
+                at_start=frozenset(self.at_start),
+                may_return=self.varies_step,
+            ),
         )
 
 
@@ -106,13 +157,19 @@ def parse_description(
     relative = _relative(folder / "modelDescription.xml")
     variables: dict[str, Variable] = {}
     texts = _text_starts(folder / "modelDescription.xml", version)
+    clocks = {v.valueReference: v.name for v in description.modelVariables if v.type == "Clock"}
+    clocked = {
+        v.name: tuple(clocks[of.valueReference] for of in v.clocks if of.valueReference in clocks)
+        for v in description.modelVariables
+        if v.clocks and v.type != "Clock"
+    }
     skipped = {
         v.name: str(v.causality)
         for v in description.modelVariables
-        if v.clocks or v.type == "Clock"
+        if v.name in clocked or v.type == "Clock"
     }
     for v in description.modelVariables:
-        if v.name in skipped:
+        if v.type == "Clock":
             continue
         try:
             variables[v.name] = _variable(
@@ -127,6 +184,7 @@ def parse_description(
             raise InputError(
                 f"line {v.sourceline} of the modelDescription.xml of {path}: {v.name}: {error}"
             ) from None
+    at_events = [variables.pop(name) for name in clocked]
     breaks += judge(description, path, folder, is_valid=not breaks)
     return FmuDescription(
         path=path,
@@ -149,6 +207,7 @@ def parse_description(
         terminals=_terminals(folder, variables),
         units={u.name: _unit(u) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
+        varies_step=bool(interface.canHandleVariableCommunicationStepSize),
         fixed_step=_fixed_step(description),
         step_size=_time(experiment.stepSize if experiment else None)
         or _time(interface.fixedInternalStepSize),
@@ -156,6 +215,12 @@ def parse_description(
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         breaks=breaks,
         skipped=skipped,
+        has_event_mode=version == 3 and bool(interface.hasEventMode),
+        clocks=read_clocks(ET.parse(folder / "modelDescription.xml").getroot()) if clocks else [],
+        at_events=tuple(each for each in at_events if not each.type.is_text),
+        clocked=clocked,
+        at_start=tuple(u.variable.name for u in description.initialUnknowns),
+        events=None,
         needs_tool=interface.needsExecutionTool,
         saves_state=interface.canGetAndSetFMUstate and interface.canSerializeFMUstate,
     )

@@ -93,8 +93,18 @@ class Fmi2(Bound):
             componentEnvironment=environment,
         )
 
-    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
-        """Make the instance; whether the FMU did."""
+    def instantiate(
+        self,
+        name: str,
+        token: str,
+        resources: Path,
+        *,
+        log_all: bool,
+        event_mode: bool = False,
+        early_return: bool = False,
+    ) -> bool:
+        """Make the instance; whether the FMU did. FMI 2.0 has no event mode in co-simulation."""
+        del event_mode, early_return
         self._calling("fmi2Instantiate")
         self.handle = (
             self._functions["fmi2Instantiate"](

@@ -75,6 +75,18 @@ PROTOTYPES: dict[str, Prototype] = {
         )
         for verb in ("Get", "Set")
     },
+    "fmi3EnterEventMode": (c_int, (c_void_p,)),
+    "fmi3EnterStepMode": (c_int, (c_void_p,)),
+    "fmi3UpdateDiscreteStates": (c_int, (c_void_p, *5 * (POINTER(c_bool),), POINTER(c_double))),
+    **{
+        f"fmi3{verb}Clock": (c_int, (c_void_p, References, c_size_t, POINTER(c_bool)))
+        for verb in ("Get", "Set")
+    },
+    "fmi3GetIntervalDecimal": (
+        c_int,
+        (c_void_p, References, c_size_t, POINTER(c_double), POINTER(c_int)),
+    ),
+    "fmi3GetShiftDecimal": (c_int, (c_void_p, References, c_size_t, POINTER(c_double))),
     "fmi3DoStep": (
         c_int,
         (
@@ -114,8 +126,17 @@ class Fmi3(Bound):
         super().__init__("fmi3", TYPES, FMI3, functions, calling)
         self._environment = environment
 
-    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
-        """Make the instance; whether the FMU did. Event mode and early return are not used."""
+    def instantiate(
+        self,
+        name: str,
+        token: str,
+        resources: Path,
+        *,
+        log_all: bool,
+        event_mode: bool,
+        early_return: bool,
+    ) -> bool:
+        """Make the instance; whether the FMU did."""
         self._calling("fmi3InstantiateCoSimulation")
         self.handle = (
             self._functions["fmi3InstantiateCoSimulation"](
@@ -125,8 +146,8 @@ class Fmi3(Bound):
                 f"{resources}/".encode() if resources.is_dir() else None,
                 False,
                 log_all,
-                False,
-                False,
+                event_mode,
+                early_return,
                 None,
                 0,
                 self._environment,

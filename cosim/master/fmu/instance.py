@@ -28,7 +28,7 @@ from cosim.master.fmu.isolation.exchange import Room
 from cosim.master.fmu.isolation.isolated import GONE, Isolated
 from cosim.master.fmu.library import give_back, take_library
 from cosim.master.fmu.log import STATUS_NAMES, Log, Said
-from cosim.master.kernel.native import RestartStruct
+from cosim.master.kernel.structures import RestartStruct
 from cosim.scenario.build.timebase import hertz
 
 Texts = tuple[int, list[bytes]]
@@ -84,6 +84,11 @@ class Fmu:
         return self._bound.handle
 
     @property
+    def events(self) -> list[int]:
+        """Addresses of the functions of event mode, where it is used."""
+        return self._bound.event_addresses() if self.description.events is not None else []
+
+    @property
     def do_step(self) -> int:
         """Address of the step function."""
         return self._bound.do_step_address()
@@ -129,12 +134,21 @@ class Fmu:
             raise InputError(
                 f"{self.component}: {description.path.name}: {error.message}"
             ) from None
+        missing = self._binding.missing_event_functions() if description.events else []
+        if missing:
+            raise InputError(
+                f"{self.component}: the library of the FMU {description.path.name} has no function "
+                f"{' and none '.join(missing)}, though its description says that it has event mode;"
+                " 'event_mode: false' does without"
+            )
         categories = _error_categories(description.log_categories)
         if not self._binding.instantiate(
             self.component,
             description.token,
             description.folder / "resources",
             log_all=not categories,
+            event_mode=description.events is not None,
+            early_return=description.events is not None and description.events.may_return,
         ):
             raise InputError(
                 f"{self.component}: the FMU {description.path.name} could not be "
@@ -211,6 +225,7 @@ class Fmu:
             self.is_trusted
             and not self.is_lost
             and not self._structural
+            and self.description.events is None
             and self._initialised
             and isinstance(bound, Fmi2 | Fmi3)
             and bound.beginnings().reset != 0

@@ -16,7 +16,8 @@ from cosim.master.fmu.description import FmuDescription
 _VARIABLE = tuple(field.name for field in fields(Variable))
 _UNIT = tuple(field.name for field in fields(Unit))
 _TIMES = ("fixed_step", "step_size", "stop_time")
-_PLAIN = frozenset({"path", "folder", "variables", "units", *_TIMES})
+_OWN = ("path", "folder", "variables", "at_events", "events", "units", *_TIMES)
+_PLAIN = frozenset(_OWN)
 """Fields that need a form of their own; the others are plain values."""
 
 
@@ -29,10 +30,8 @@ def to_plain(description: FmuDescription) -> dict[str, Any]:
     }
     times = {name: getattr(description, name) for name in _TIMES}
     return content | {
-        "variables": [
-            tuple(_member_value(getattr(each, name)) for name in _VARIABLE)
-            for each in description.variables.values()
-        ],
+        "variables": [_row(each) for each in description.variables.values()],
+        "at_events": [_row(each) for each in description.at_events],
         "units": {
             key: tuple(_ratio(getattr(unit, name)) for name in _UNIT)
             for key, unit in description.units.items()
@@ -49,6 +48,7 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
     """
     rest = dict(content)
     variables = [_variable(row) for row in rest.pop("variables")]
+    at_events = tuple(_variable(row) for row in rest.pop("at_events"))
     units = {key: _unit(row) for key, row in rest.pop("units").items()}
     given = {name: rest.pop(name) for name in _TIMES}
     times = {name: None if time is None else Fraction(*time) for name, time in given.items()}
@@ -56,10 +56,16 @@ def from_plain(content: dict[str, Any], path: Path, folder: Path) -> FmuDescript
         path=path,
         folder=folder,
         variables={variable.name: variable for variable in variables},
+        at_events=at_events,
+        events=None,
         units=units,
         **times,
         **rest,
     )
+
+
+def _row(variable: Variable) -> tuple[Any, ...]:
+    return tuple(_member_value(getattr(variable, name)) for name in _VARIABLE)
 
 
 def _member_value(value: Any) -> Any:

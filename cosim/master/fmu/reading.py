@@ -11,6 +11,7 @@ from pathlib import Path
 from cosim.base import component, meaning
 from cosim.base.quantities import units
 from cosim.base.system.store import keep, recall
+from cosim.master.components import clocks
 from cosim.master.fmu import description as parser
 from cosim.master.fmu import meanings, plain_description, rules
 from cosim.master.fmu.archive import sha256_of, unpack
@@ -53,7 +54,7 @@ def _read(
 @cache
 def _readers() -> tuple[object, ...]:
     """What a kept description depends on besides the FMU: the code that made it."""
-    modules = (parser, plain_description, rules, meanings, component, meaning, units)
+    modules = (parser, plain_description, rules, meanings, clocks, component, meaning, units)
     own = [Path(str(module.__file__)) for module in modules]
     state = hashlib.sha256()
     for source in own:

@@ -9,7 +9,7 @@ from pathlib import Path
 from fmus.compiler import BuildError, Platform, compile_library, host_platform
 
 FOLDER = Path(__file__).resolve().parent
-SOURCES = FOLDER
+SOURCES = FOLDER / "sources"
 BUILT = FOLDER / "_built"
 
 

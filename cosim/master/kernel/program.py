@@ -23,11 +23,14 @@ from cosim.master.channels.texts import CarriedTexts, Speaking
 from cosim.master.channels.turning import TurnedChannels, dials_of
 from cosim.master.components.interface import size_of
 from cosim.master.components.playing import rows_to_play
-from cosim.master.kernel.native import (
+from cosim.master.kernel.events import EventStructures
+from cosim.master.kernel.native import library
+from cosim.master.kernel.structures import (
     FMI2_TYPE_CODES,
     TYPE_CODES,
     ConversionStruct,
     InstanceStruct,
+    KernelOutcome,
     KernelStruct,
     OperationKind,
     OperationStruct,
@@ -71,6 +74,11 @@ class Native(Speaking, Protocol):
     substeps: int
     is_trusted: bool
     """Whether no call changes how the processor computes."""
+
+    @property
+    def events(self) -> list[int]:
+        """Addresses of the functions of event mode; none where it is not used."""
+        ...
 
     @property
     def instance(self) -> int:
@@ -140,10 +148,16 @@ class Program:
         self._accessors: list[tuple[int, str, VariableType, bool]] = []
         """The number of each operation that sets or gets, and whose accessor it calls."""
         self._operation_array: Any = None
+        self._events: dict[str, EventStructures] = {}
+        self._steps: dict[str, int] = {}
+        """The number of an operation that steps each FMU."""
+        self._is_initial = False
+        """Whether what is written is the program of initialisation mode."""
         self._keep: list[Any] = []
         self._places = {name: place for place, name in enumerate(sorted(parts))}
         self._natives: Mapping[str, Native] = {}
-        self._numbers: dict[str, int] = {}
+        self.numbers: dict[str, int] = {}
+        """The number of each FMU among ``instances``."""
         self._wires: dict[tuple[str, str], list[Wire]] = {}
         for wire in wiring.wires:
             key = (wire.target.component, wire.target.variable)
@@ -169,10 +183,10 @@ class Program:
         """
         self._texts = texts
         self._natives = natives
-        self._numbers = {name: number for number, name in enumerate(sorted(natives))}
+        self.numbers = {name: number for number, name in enumerate(sorted(natives))}
         self._columns = columns
         self.instances: Any = (InstanceStruct * max(len(natives), 1))()
-        for name, number in self._numbers.items():
+        for name, number in self.numbers.items():
             native, period = natives[name], self.parts[name].period
             self.instances[number] = InstanceStruct(
                 native.instance,
@@ -183,6 +197,8 @@ class Program:
                 self.clock.step(period, native.substeps),
                 not native.is_trusted,
                 0,
+                native.substeps == 1 and name not in self.layout.events,
+                None,
             )
         self.kernel.has_foreign = any(not native.is_trusted for native in natives.values())
         self.kernel.careful = _CAREFUL_TICKS if self.kernel.has_foreign else 0
@@ -198,15 +214,17 @@ class Program:
         self.channels.packets = self.texts.packets = self.packets
         kernel = self.kernel
         kernel.bundles = ctypes.addressof(self.packets.structs)
-        kernel.tick = kernel.phase = kernel.position = kernel.status = 0
+        kernel.tick = kernel.phase = kernel.position = kernel.status = kernel.event_call = 0
         kernel.running = -1
 
     def refresh(self) -> None:
         """Take note of FMUs that were made anew, and forget their warnings."""
-        for name, number in self._numbers.items():
+        for name, number in self.numbers.items():
             self.instances[number].instance = self._natives[name].instance
             self.instances[number].do_step = self._natives[name].do_step
             self.instances[number].warnings = 0
+        for name, events in self._events.items():
+            events.bind(self._natives[name].events)
         for number, unit, kind, is_set in self._accessors:
             function = self._natives[unit].accessor(kind, is_set=is_set)
             self._operation_array[number].function = function
@@ -217,16 +235,16 @@ class Program:
 
     def warnings(self) -> dict[str, int]:
         """The warnings that FMUs have returned, by component."""
-        counts = {name: self.instances[number].warnings for name, number in self._numbers.items()}
+        counts = {name: self.instances[number].warnings for name, number in self.numbers.items()}
         return {name: count for name, count in counts.items() if count}
 
     def warn(self, component: str) -> None:
         """An FMU has returned a warning when its texts were passed."""
-        self.instances[self._numbers[component]].warnings += 1
+        self.instances[self.numbers[component]].warnings += 1
 
     def set_warnings(self, counts: Mapping[str, int]) -> None:
         """Count on from the warnings of an earlier part of the run, by component."""
-        for name, number in self._numbers.items():
+        for name, number in self.numbers.items():
             self.instances[number].warnings = int(counts.get(name, 0))
 
     def _write_programs(self, plan: Plan) -> None:
@@ -234,10 +252,10 @@ class Program:
         hyperperiod = self.clock.hyperperiod(periods)
         due_sets, pattern = due_together(periods, hyperperiod)
         every = [(action.period, self._operation_numbers(action)) for action in plan.every]
-        programs = [
-            [number for action in program for number in self._operation_numbers(action)]
-            for program in (plan.initial, plan.first)
-        ]
+        self._is_initial = True
+        programs = [[n for action in plan.initial for n in self._operation_numbers(action)]]
+        self._is_initial = False
+        programs.append([n for action in plan.first for n in self._operation_numbers(action)])
         programs += [
             [number for period, numbers in every if period in due for number in numbers]
             for due in due_sets
@@ -245,6 +263,7 @@ class Program:
         starts = np.cumsum([0, *map(len, programs)]).astype(np.int64)
         flat = np.array([number for program in programs for number in program], dtype=np.int32)
         shifted = (pattern + _EVERY).astype(np.int32)
+        self._write_events(plan)
         operations = (OperationStruct * max(len(self._operations), 1))(*self._operations)
         self._operation_array = operations
         kinds = np.array([operation.kind for operation in self._operations], dtype=np.int32)
@@ -281,7 +300,11 @@ class Program:
         if isinstance(unit, int):
             yield from self._bundle_operations(action, unit)
         elif action.act is Act.SET:
-            set_always = [name for name in action.names if (unit, name) not in self.turning.knobs]
+            set_always = [
+                name
+                for name in action.names
+                if (unit, name) not in self.turning.knobs and not self._waits(unit, str(name))
+            ]
             if unit not in self._natives or not set_always:
                 yield from self._copies(unit, action.names)
             else:
@@ -293,10 +316,14 @@ class Program:
             yield from self._tunes(unit, action.names)
         elif unit in self._natives:
             if action.act is Act.GET:
-                yield from self._accesses(unit, action.names, is_set=False)
-                yield from self._text_calls(unit, action.names, is_set=False)
+                latched = self.layout.latched
+                read = [name for name in action.names if (unit, name) not in latched]
+                yield from self._latches(unit, set(map(str, action.names)) - set(map(str, read)))
+                yield from self._accesses(unit, read, is_set=False)
+                yield from self._text_calls(unit, read, is_set=False)
             else:
-                yield OperationStruct(kind=OperationKind.STEP, owner=self._numbers[unit])
+                self._steps[unit] = len(self._operations)
+                yield OperationStruct(kind=OperationKind.STEP, owner=self.numbers[unit])
         elif action.act is Act.GET and self.parts[unit].played is not None:
             yield from self._plays(unit, action.names)
         elif self.parts[unit].overrides(_CALLS[action.act]):
@@ -320,6 +347,79 @@ class Program:
                 cells=self.cells.ctypes.data + 8 * members[0][0],
                 table=ctypes.addressof(rows.struct),
             )
+
+    def begin_events(self, component: str, phase: int) -> int:
+        """The kernel's outcome of an FMU's events before tick 0, where its event mode is used.
+
+        Phase 0 belongs to initialisation mode, phase 1 to the event mode that follows.
+        """
+        if component not in self._events:
+            return KernelOutcome.DONE
+        self.kernel.operation = self._steps[component]
+        number = self.numbers[component]
+        return library().kernel_begin_events(ctypes.addressof(self.kernel), number, phase)
+
+    def fill_latched(self) -> None:
+        """What is only read when clocks tick has its start value until then."""
+        for (component, name), first in self.layout.latched.items():
+            values = self.view(component, name).view(np.int64).reshape(-1)
+            self.cells[first : first + values.size] = values
+
+    def _waits(self, unit: str, name: str) -> bool:
+        """Whether an input is not set where inputs are, but when an event takes place."""
+        facts = self.parts[unit].interface.events if unit in self.parts else None
+        if facts is None:
+            return False
+        if name in facts.clock_names():
+            return True
+        variable = self.parts[unit].interface.variables[name]
+        return not self._is_initial and facts.is_event_input(variable)
+
+    def _latches(self, unit: str, names: Iterable[str]) -> Iterable[OperationStruct]:
+        """What was read at events becomes what the FMU puts out."""
+        pairs = [
+            (self.layout.latched[unit, name] + i, self.layout.cells[unit, name] + i)
+            for name in sorted(names)
+            for i in range(size_of(self.parts[unit].interface.variables[name]))
+        ]
+        if pairs:
+            table = np.array(pairs, dtype=np.int32)
+            yield self._with_table(OperationKind.COPY, table, len(pairs))
+
+    def _write_events(self, plan: Plan) -> None:
+        """Operations that belong to no program, but to the events of an FMU."""
+        for unit in self.layout.events:
+            native, part = self._natives[unit], self.parts[unit]
+            step = part.period * self.clock.tick / native.substeps
+            references = {name: native.reference(name) for name in self._clock_names(unit)}
+            base = self.cells.ctypes.data
+            events = EventStructures(part.interface, self.layout, base, references, step)
+            driven = {
+                str(name)
+                for action in plan.every
+                if action.act is Act.SET and action.unit == unit
+                for name in action.names
+                if (unit, name) not in self.turning.knobs
+            }
+            step_of = Action(Act.STEP, unit, part.period)
+            numbers: list[dict[str, int]] = []
+            for names, is_set in ((events.sets(driven), True), (events.gets(), False)):
+                numbers.append({})
+                for name in names:
+                    for operation in self._accesses(unit, [name], is_set=is_set):
+                        if not is_set:
+                            operation.cells = events.place_of(name)
+                        numbers[-1][name] = len(self._operations)
+                        self._operations.append(operation)
+                        self.actions.append(step_of)
+            number = self.numbers[unit]
+            self.instances[number].events = events.begin(*numbers)
+            events.bind(native.events)
+            self._events[unit] = events
+
+    def _clock_names(self, unit: str) -> list[str]:
+        facts = self.parts[unit].interface.events
+        return [clock.name for clock in facts.clocks] if facts is not None else []
 
     def _bundle_operations(self, action: Action, number: int) -> Iterable[OperationStruct]:
         if action.act is Act.DELIVER:
@@ -424,7 +524,7 @@ class Program:
                     if is_set
                     else (OperationKind.GET_FLOAT64 if direct else OperationKind.GET)
                 ),
-                owner=self._numbers[unit],
+                owner=self.numbers[unit],
                 type=codes[kind],
                 version=native.version,
                 function=native.accessor(kind, is_set=is_set),
@@ -470,7 +570,7 @@ class Program:
             if is_channel:
                 way = name.partition(".")[0]
                 self.calls[len(self._operations)] = Call(unit, way, is_channel=True)
-            native, owner = self._natives.get(unit), self._numbers.get(unit, 0)
+            native, owner = self._natives.get(unit), self.numbers.get(unit, 0)
             if native is not None:
                 kind = self.turning.knobs[unit, name].variable.type
                 self._accessors.append((len(self._operations), unit, kind, True))

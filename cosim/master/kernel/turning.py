@@ -15,7 +15,7 @@ from cosim.base.component import VariableType
 from cosim.master.assembly.knobs import Knob, Name, Turn
 from cosim.master.assembly.layout import Layout
 from cosim.master.components.interface import size_of
-from cosim.master.kernel.native import (
+from cosim.master.kernel.structures import (
     FMI2_TYPE_CODES,
     TYPE_CODES,
     ChangeStruct,

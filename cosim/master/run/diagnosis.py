@@ -11,8 +11,14 @@ from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.isolation.isolated import GONE
 from cosim.master.fmu.log import STATUS_NAMES
-from cosim.master.kernel.native import KernelOutcome, OperationKind
 from cosim.master.kernel.program import Program
+from cosim.master.kernel.structures import (
+    EventCall,
+    EventFault,
+    KernelOutcome,
+    OperationKind,
+)
+from cosim.master.run.whereabouts import AT_EVENTS
 
 _DID = {
     Act.SET: "setting its inputs",
@@ -40,30 +46,59 @@ def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> C
     said = fmu.messages() if fmu is not None else []
     chatted = f"; it said: {' / '.join(said)}" if said else ""
     logged = chatted or "; it logged nothing"
+    at_event = AT_EVENTS.get(EventCall(kernel.event_call)) if action.act is Act.STEP else None
     if outcome is KernelOutcome.STATUS:
         number = int(kernel.status)
         if number == GONE and fmu is not None:
-            return RunError(f"{component} {fmu.manner_of_ending()} {_IN[action.act]} at {when}")
+            return RunError(
+                f"{component} {fmu.manner_of_ending()} {at_event or _IN[action.act]} at {when}"
+            )
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
         if status == "discard" and fmu is not None and fmu.asks_to_end():
             return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
         kind = RunError if kernel.running or status == "fatal" else InputError
-        return kind(
-            f"{component} returned status '{status}' from {_DID[action.act]} at {when}{logged}"
-        )
+        came = at_event or f"from {_DID[action.act]}"
+        return kind(f"{component} returned status '{status}' {came} at {when}{logged}")
     if outcome is KernelOutcome.NOT_A_NUMBER:
         return RunError(f"{_variable(program)} became NaN at {when}{logged}")
     if outcome is KernelOutcome.RANGE:
         return RunError(_out_of_range(program, when))
     if outcome is KernelOutcome.EARLY_RETURN:
         return RunError(
-            f"{component} returned early from its step at {when}, though that was not allowed; an "
-            "FMU that needs event mode or early return cannot be used"
+            f"{component} returned early from its step at {when}, though that was not allowed; it "
+            "is where event mode is used (event_mode: true) and steps may have any length"
         )
+    if outcome is KernelOutcome.EVENT:
+        kind = RunError if kernel.running else InputError
+        return kind(f"{component}{_event_fault(program, component)} at {when}{chatted}")
+    if outcome is KernelOutcome.TERMINATED and not kernel.running:
+        return InputError(f"{component} asked to end the simulation before its first tick{chatted}")
     if outcome is KernelOutcome.TERMINATED:
         return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
     return RunError(f"the plan's room for packets or rows was exceeded at {when}; report this")
+
+
+def _event_fault(program: Program, component: str) -> str:
+    """What an FMU in event mode cannot be followed in."""
+    kernel = program.kernel
+    fault, value = EventFault(kernel.event_fault), float(kernel.event_value)
+    facts = program.parts[component].interface.events
+    assert facts is not None
+    number = int(kernel.event_clock)
+    clock = f".{facts.clocks[number].name}" if number >= 0 else ""
+    native = program.instances[program.numbers[component]]
+    return {
+        EventFault.NONE: "",
+        EventFault.NO_END: f" wants its discrete states updated, {value:g} times over,",
+        EventFault.OFF_GRID: (
+            f"{clock} is to tick after {value:g} s, which is no whole number of the component's "
+            f"steps of {native.step:g} s,"
+        ),
+        EventFault.NO_INTERVAL: f"{clock} has to tell its next interval, and tells none,",
+        EventFault.RETURNS: f" returned from one step {value:g} times over",
+        EventFault.TIME: f" returned early at {value:g} s, which is outside of its step,",
+    }[fault]
 
 
 def moment(program: Program) -> str:
@@ -77,7 +112,8 @@ def moment(program: Program) -> str:
 def _out_of_range(program: Program, when: str) -> str:
     kind = _type(program)
     cell = program.cells[program.kernel.cell : program.kernel.cell + 1]
-    if program.stopped_at().act is Act.GET:
+    at_event = program.kernel.event_call == EventCall.GET
+    if program.stopped_at().act is Act.GET or at_event:
         value = int(cell[0]) % 2**64
         return (
             f"{_variable(program)} became {value} at {when}: whole numbers are carried up to "

@@ -29,9 +29,9 @@ from cosim.master.fmu.isolation.isolated import ProcessEnded
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.fmu.surroundings import Surroundings
-from cosim.master.kernel.native import KernelOutcome as Stop
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import INITIAL, Program
+from cosim.master.kernel.structures import KernelOutcome as Stop
 from cosim.master.run import branch_point, checkpoint
 from cosim.master.run.branch_point import BranchPoint
 from cosim.master.run.diagnosis import explain, moment
@@ -442,12 +442,19 @@ class Simulation:
             for name, fmu in self._fmus.items():
                 told(name, "leaving initialisation mode")
                 with placed_refusal(self.scenario, name), self._guarding(fmu):
+                    self._begin_events(name, 0)
                     fmu.exit_initialisation()
+                    self._begin_events(name, 1)
         else:
             restarted.leave(self.scenario)
         self._is_running, self._end = True, end
         if self._restored is not None:
             self._go_on(self._restored, recorded=recorded)
+
+    def _begin_events(self, name: str, phase: int) -> None:
+        """What an FMU in event mode does before tick 0."""
+        self._whereabouts.clear()
+        self._raise_unless_done(Stop(self.program.begin_events(name, phase)))
 
     def _times(self, end: int) -> Times:
         """When the run of each FMU begins and ends (s)."""
@@ -640,6 +647,7 @@ class Simulation:
                         values = [self.program.texts.number_of(value) for value in values]
                     self.program.view(name, variable.name).reshape(-1)[:] = values
         self.program.turning.fill_start_values()
+        self.program.fill_latched()
         for number, bundle in enumerate(self.assembly.wiring.bundles):
             held = self.assembly.layout.held[number]
             for index, entry in enumerate(bundle.entries):

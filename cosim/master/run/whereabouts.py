@@ -6,7 +6,7 @@ import ctypes
 import mmap
 from typing import Any
 
-from cosim.master.kernel.native import KernelStruct, OperationKind
+from cosim.master.kernel.structures import EventCall, KernelStruct, OperationKind
 from cosim.scenario import Kind as ComponentKind
 from cosim.scenario import Scenario
 
@@ -22,6 +22,19 @@ _KERNEL_DID = {
     OperationKind.STEP: "in its step",
     OperationKind.CALL: "in a method of its class",
 }
+
+AT_EVENTS = {
+    EventCall.ENTER: "in fmi3EnterEventMode",
+    EventCall.SET_CLOCK: "in fmi3SetClock",
+    EventCall.SET: "while its inputs were set at an event",
+    EventCall.GET_CLOCK: "in fmi3GetClock",
+    EventCall.GET: "while its outputs were read at an event",
+    EventCall.UPDATE: "in fmi3UpdateDiscreteStates",
+    EventCall.GET_INTERVAL: "in fmi3GetIntervalDecimal",
+    EventCall.LEAVE: "in fmi3EnterStepMode",
+    EventCall.GET_SHIFT: "in fmi3GetShiftDecimal",
+}
+"""Where an FMU is at an event, in words."""
 
 
 class Whereabouts:
@@ -72,6 +85,8 @@ class Whereabouts:
                 kinds = {name: part.kind for name, part in scenario.components.items()}
                 names = [name for name in names if kinds[name] is ComponentKind.FMU]
             did = _KERNEL_DID[OperationKind(self.kernel.kind)]
+            if self.kernel.kind == OperationKind.STEP and self.kernel.event_call:
+                did = AT_EVENTS[EventCall(self.kernel.event_call)]
             when = when if self.kernel.running else "at initialisation"
             return names[int(self.kernel.owner)], f"{did} {when}"
         return "", when if tick else "before the first tick"

@@ -47,6 +47,7 @@ def build_component(context: Context, name: str, form: ComponentForm) -> Scenari
         feedthrough=feedthrough,
         is_strict=form.validate_ == "strict",
         is_isolated=form.isolate == "process",
+        event_mode=form.event_mode,
         parameters=form.parameters,
         start=form.start,
         options=_options(context, form, name),

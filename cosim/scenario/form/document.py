@@ -116,6 +116,11 @@ class ComponentForm(Form):
         description="fmu: `process`: in a process of its own, which may crash; by itself where its "
         "library cannot be shared.",
     )
+    event_mode: bool | None = Field(
+        default=None,
+        description="fmu: whether an FMU of FMI 3 stops at its events and its clocks tick; by "
+        "default where it has clocks and event mode.",
+    )
     validate_: Literal["lenient", "strict"] | None = Field(
         default=None,
         alias="validate",

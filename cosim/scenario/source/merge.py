@@ -27,6 +27,7 @@ OWNERS = {
     "feedthrough": "fmu",
     "validate": "fmu",
     "isolate": "fmu",
+    "event_mode": "fmu",
     "of": "playback",
     "columns": "table",
     "interpolate": "table",

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from cosim.record.reader import open_run
 from tests.support.fmus.foreign import foreign_fmu, scalar
 
@@ -21,6 +23,10 @@ WAYS = {
 }
 EARLY = "before the first tick; nothing was recorded"
 WHOLE = f"at tick {TICKS} ({TICKS} s); the record is complete"
+EARLY_EVENTS = ("GetIntervalDecimal", "GetShiftDecimal")
+EVENTS = ("EnterEventMode", "SetClock", "GetClock", "UpdateDiscreteStates", "EnterStepMode")
+EVENT_CALLS = (*EARLY_EVENTS, *EVENTS)
+"""The calls of event mode, which FMI 3 alone has."""
 CALLS = {
     "Instantiate": (EARLY, "in {name} "),
     "SetString": (EARLY, "in {name} "),
@@ -30,9 +36,31 @@ CALLS = {
     "DoStep": ("in its step at tick 3 (3 s); what was written before is kept", ""),
     "Set": ("while its inputs were set at tick 3 (3 s); what was written before is kept", ""),
     "Get": ("while its outputs were read at tick 3 (3 s); what was written before is kept", ""),
+    **dict.fromkeys(EARLY_EVENTS, ("at initialisation; nothing was recorded", "in {name} ")),
+    **dict.fromkeys(EVENTS, ("at tick 3 (3 s); what was written before is kept", "in {name} ")),
     "Terminate": (WHOLE, "in {name} "),
     "FreeInstance": (WHOLE, "in {name} "),
 }
+
+
+CASES = [
+    (version, call)
+    for version in (2, 3)
+    for call in CALLS
+    if version == 3 or call not in EVENT_CALLS
+]
+"""Each call of each version."""
+SPARED = [
+    pytest.param(
+        version,
+        call,
+        marks=pytest.mark.exhaustive
+        if call in EVENT_CALLS and call != "UpdateDiscreteStates"
+        else (),
+    )
+    for version, call in CASES
+]
+"""The same, where one call of event mode is enough unless everything is run."""
 
 
 def dying(folder: Path, version: int, call: str, code: str, rate: int = 1) -> Path:
@@ -43,11 +71,14 @@ def dying(folder: Path, version: int, call: str, code: str, rate: int = 1) -> Pa
         "DoStep": f"m->time > {2.5 / rate}",
         "Set": f"m->time > {1.5 / rate}",
         "Get": f"m->time > {1.5 / rate}",
+        **dict.fromkeys(EVENTS, f"m->time > {2.5 / rate}"),
     }
+    instant = f"m->interval[10] = {1 / rate}, m->qualifier[10] = m->event = true;"
     snippet = f"""
         void exit(int); void _exit(int); void abort(void); int raise(int);
         static int hook(Foreign *m, const char *call)
         {{
+            {instant}
             if (is(call, "{name}") && {late.get(call, "1")})
                 {code};
             return 0;
@@ -62,10 +93,19 @@ def dying(folder: Path, version: int, call: str, code: str, rate: int = 1) -> Pa
             causality="parameter", variability="fixed", **({"start": "x"} if version == 2 else {}),
         )
     )  # fmt: skip
-    structure = '<Output valueReference="2" dependencies=""/>'
+    if version == 3:
+        variables += (
+            '<Clock name="c" valueReference="10" causality="input" intervalVariability="fixed"/>'
+            '<Clock name="told" valueReference="11" causality="output" '
+            'intervalVariability="triggered"/>'
+        )
+    structure = '<Output valueReference="2" dependencies=""/><Output valueReference="11"/>'
     if version == 2:
         structure = '<Outputs><Unknown index="2" dependencies=""/></Outputs>'
-    return foreign_fmu(folder, version, variables, snippet=snippet, structure=structure)
+    interface = {"hasEventMode": "true"} if call in EVENT_CALLS else {}
+    return foreign_fmu(
+        folder, version, variables, snippet=snippet, structure=structure, interface=interface
+    )
 
 
 def command(folder: Path, fmu: Path, *options: str, rate: int = 1, keys: str = "") -> list[str]:

@@ -12,14 +12,22 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.fmus.dying import CALLS, WAYS, command, dying, ended, record_is_right, sentence
+from tests.support.fmus.dying import (
+    CASES,
+    SPARED,
+    WAYS,
+    command,
+    dying,
+    ended,
+    record_is_right,
+    sentence,
+)
 from tests.support.fmus.foreign import foreign_fmu, scalar
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a child needs Linux")
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize(("version", "call"), CASES)
 def test_exit_0_in_any_call_is_a_failure_with_its_place(
     tmp_path: Path, call: str, version: int
 ) -> None:
@@ -44,8 +52,7 @@ PACED = 100
 """Ticks a second of the paced runs: nothing here hangs on their being met."""
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize(("version", "call"), SPARED)
 def test_in_a_paced_run_too(tmp_path: Path, call: str, version: int) -> None:
     where, place = sentence(call, version, PACED)
     fmu = dying(tmp_path, version, call, "exit(0)", PACED)
@@ -67,8 +74,7 @@ def test_every_way_of_dying_in_a_paced_run(tmp_path: Path, way: str) -> None:
 
 
 @pytest.mark.parametrize("options", [(), ("--realtime",)])
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize(("version", "call"), SPARED)
 def test_in_a_process_of_its_own_too(
     tmp_path: Path, call: str, version: int, options: tuple[str, ...]
 ) -> None:

@@ -9,15 +9,19 @@ from __future__ import annotations
 import ctypes
 import re
 from enum import IntEnum
-from pathlib import Path
 
 import pytest
 
-from cosim.master.kernel import native
+from cosim.master.kernel import build, native, structures
 from fmus.compiler import compile_library, host_platform
 
-HEADER = Path(native.__file__).with_name("kernel.h")
-TEXT = re.sub(r"/\*.*?\*/", "", HEADER.read_text(encoding="utf-8"), flags=re.DOTALL)
+HEADERS = [build.SOURCES / name for name in ("kernel.h", "events.h")]
+TEXT = re.sub(
+    r"/\*.*?\*/",
+    "",
+    "\n".join(each.read_text(encoding="utf-8") for each in HEADERS),
+    flags=re.DOTALL,
+)
 STRUCTS = {
     name: [
         re.sub(r"[*\s]", " ", field).split()[-1]
@@ -25,7 +29,7 @@ STRUCTS = {
         if line.strip()
         for field in line.split(",")
     ]
-    for body, name in re.findall(r"typedef struct \{([^}]*)\} (\w+);", TEXT)
+    for body, name in re.findall(r"typedef struct \w*\s*\{([^}]*)\} (\w+);", TEXT)
 }
 ENUMS = {
     name: re.findall(r"(\w+) =", body)
@@ -56,11 +60,11 @@ def _compiled(values: list[str], count: int) -> list[int]:
     source = FOLDER / "abi.c"
     joined = ", ".join(values)
     source.write_text(
-        '#include "kernel.h"\n'
+        '#include "events.h"\n'
         f'__attribute__((visibility("default"))) const int64_t abi[] = {{{joined}}};\n'
     )
     library = FOLDER / f"abi_{abs(hash(joined))}.so"
-    compile_library(host_platform(), library, [source], include=[HEADER.parent])
+    compile_library(host_platform(), library, [source], include=[build.SOURCES])
     return list((ctypes.c_int64 * count).in_dll(ctypes.CDLL(str(library)), "abi"))
 
 
@@ -73,13 +77,13 @@ def _folder(tmp_path_factory: pytest.TempPathFactory) -> None:
 def test_the_header_was_read_whole() -> None:
     assert len(STRUCTS) == TEXT.count("typedef struct") > 0
     assert len(ENUMS) == TEXT.count("typedef enum") > 0
-    mirrored = {name.removesuffix("Struct") for name in vars(native) if name.endswith("Struct")}
+    mirrored = {name.removesuffix("Struct") for name in vars(structures) if name.endswith("Struct")}
     assert mirrored == set(STRUCTS)
 
 
 @pytest.mark.parametrize("name", STRUCTS)
 def test_a_structure_lies_where_the_compiler_puts_it(name: str) -> None:
-    assert in_python(getattr(native, f"{name}Struct"), name) == layout(name, STRUCTS[name])
+    assert in_python(getattr(structures, f"{name}Struct"), name) == layout(name, STRUCTS[name])
 
 
 def test_a_wrong_structure_is_noticed() -> None:
@@ -94,21 +98,36 @@ def test_a_wrong_structure_is_noticed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "mirror"), [("Outcome", native.KernelOutcome), ("Kind", native.OperationKind)]
+    ("name", "mirror"),
+    [
+        ("Outcome", structures.KernelOutcome),
+        ("Kind", structures.OperationKind),
+        ("EventCall", structures.EventCall),
+        ("EventFault", structures.EventFault),
+        ("ClockKind", structures.ClockKind),
+    ],
 )
 def test_constants_have_the_headers_values(name: str, mirror: type[IntEnum]) -> None:
     names = ENUMS[name]
     values = _compiled(list(names), len(names))
-    prefix = f"{name.upper()}_"
+    prefix = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).upper() + "_"
     assert dict(zip((n.removeprefix(prefix) for n in names), values, strict=True)) == {
         member.name: member.value for member in mirror
     }
-    assert _compiled(["KERNEL_ABI", "sizeof(Cell)"], 2) == [native.ABI, 8]
+    assert _compiled(
+        ["KERNEL_ABI", "sizeof(Cell)", "CLOCK_CELLS", "CLOCK_COUNT", "CLOCK_AGE"], 5
+    ) == [
+        native.ABI,
+        8,
+        structures.CLOCK_CELLS,
+        structures.CLOCK_COUNT,
+        structures.CLOCK_AGE,
+    ]
 
 
 def test_types_have_the_headers_codes() -> None:
     names = ENUMS["Type"]
     codes = dict(zip(names, _compiled(list(names), len(names)), strict=True))
-    for kind, code in native.TYPE_CODES.items():
+    for kind, code in structures.TYPE_CODES.items():
         name = {"ENUMERATION": "INT64"}.get(kind.name, kind.name)
         assert codes[f"TYPE_{name}"] == code

@@ -49,6 +49,8 @@ ELSEWHERE = {
     ("ConnectionForm", "unit"),
     # A process of its own has no effect on values, which is shown with the isolation.
     ("ComponentForm", "isolate"),
+    # Clocks are shown with FMUs that have them.
+    ("ComponentForm", "event_mode"),
 }
 """Keys whose effect the tests below show in another way."""
 

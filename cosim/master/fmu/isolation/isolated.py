@@ -1,7 +1,7 @@
 """An FMU whose library lives in a process of its own; a ``Binding`` as the others.
 
-The kernel calls over shared memory (``kernel/isolation.c``), Python over a socket. The process is a
-fresh one, not a fork: it must not begin with the libraries that this one has loaded.
+The kernel calls over shared memory (``kernel/sources/isolation.c``), Python over a socket. The
+process is a fresh one, not a fork: it must not begin with the libraries that this one has loaded.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.system.manner import manner
-from cosim.master.fmu.binding import OK
+from cosim.master.fmu.binding import EVENT_FUNCTIONS, OK
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.log import Log
-from cosim.master.kernel.native import FMI2_TYPE_CODES, TYPE_CODES, library
+from cosim.master.kernel.native import library
+from cosim.master.kernel.structures import FMI2_TYPE_CODES, TYPE_CODES
 
 GONE = 100
 """The kernel's status for a call whose process has ended (``isolation.c``)."""
@@ -123,9 +124,19 @@ class Isolated:
         """
         self._ask("load")
 
-    def instantiate(self, name: str, token: str, resources: Path, *, log_all: bool) -> bool:
+    def instantiate(
+        self,
+        name: str,
+        token: str,
+        resources: Path,
+        *,
+        log_all: bool,
+        event_mode: bool,
+        early_return: bool,
+    ) -> bool:
         """Make the instance; whether the FMU did."""
-        made = bool(self._ask("instantiate", name, token, resources, log_all=log_all))
+        modes = {"log_all": log_all, "event_mode": event_mode, "early_return": early_return}
+        made = bool(self._ask("instantiate", name, token, resources, **modes))
         self.handle = ctypes.addressof(self._exchange.side) if made else 0
         return made
 
@@ -213,6 +224,15 @@ class Isolated:
         """What the kernel calls in place of a type's set or get function."""
         codes = FMI2_TYPE_CODES if self._version == 2 else TYPE_CODES
         return library().kernel_isolated(self._version, codes[kind], is_set)
+
+    def missing_event_functions(self) -> list[str]:
+        """What the library lacks for event mode."""
+        return self._ask("missing_event_functions")
+
+    def event_addresses(self) -> list[int]:
+        """What the kernel calls in place of the functions of event mode."""
+        numbers = range(len(EVENT_FUNCTIONS))
+        return [library().kernel_isolated(self._version, -2 - number, 0) for number in numbers]
 
     def reset(self) -> int | None:
         """Be as after ``instantiate``, or ``None`` where the library has no such function."""

@@ -17,18 +17,20 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.master.fmu.binding import Binding
+from cosim.master.fmu.binding import EVENT_FUNCTIONS, Binding
 from cosim.master.fmu.fmi2 import TYPES as TYPES2
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import TYPES as TYPES3
 from cosim.master.fmu.fmi3 import Fmi3
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.library import take_library
-from cosim.master.kernel.native import FMI2_TYPE_CODES, TYPE_CODES, function_address, library
+from cosim.master.kernel.native import function_address, library
+from cosim.master.kernel.structures import FMI2_TYPE_CODES, TYPE_CODES
 
 _PR_SET_PDEATHSIG = 1
-_REQUESTS = 25
-"""A step, and a set and a get for each of the kernel's types (``isolation.c``)."""
+_OF_EVENTS = 25
+_REQUESTS = _OF_EVENTS + len(EVENT_FUNCTIONS)
+"""A step, a set and a get for each of the kernel's types, and event mode (``isolation.h``)."""
 
 
 def work(settings: Mapping[str, Any]) -> None:
@@ -93,6 +95,10 @@ class _Worker:
         self._binding = bound(functions, exchange.log.address, exchange.note)
         table: Any = self._functions
         table[0] = self._binding.do_step_address()
+        for number, name in enumerate(EVENT_FUNCTIONS):
+            function = f"fmi{self._version}{name}"
+            if function in functions:
+                table[_OF_EVENTS + number] = function_address(functions[function])
         for kind, (name, _) in types.items():
             for is_set, verb in enumerate(("Get", "Set")):
                 function = f"fmi{self._version}{verb}{name}"

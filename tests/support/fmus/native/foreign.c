@@ -32,6 +32,15 @@ typedef struct {
     void *environment;
     const char *resources; /* as FMI 3 was given them */
     bool terminate; /* the step is to ask for the end */
+    bool event, early; /* what the step is to say besides, and the time that it has reached */
+    double last;
+    bool event_mode, early_allowed; /* as it was instantiated */
+    bool ticks[VALUES]; /* clocks that are active */
+    double interval[VALUES]; /* s, of clocks, by value reference */
+    int qualifier[VALUES];
+    double shift[VALUES];
+    bool again, has_next; /* what an update says */
+    double next;
 } Foreign;
 
 UNUSED static void say(Foreign *m, int status, const char *message)
@@ -96,6 +105,8 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
     m->log3 = (void (*)(void *, int, const char *, const char *))log;
     m->environment = environment;
     m->resources = resources;
+    m->event_mode = events;
+    m->early_allowed = early;
     return HOOK(m, "Instantiate") ? 0 : m;
 }
 
@@ -275,13 +286,74 @@ EXPORT int fmi2DoStep(Foreign *instance, double time, double step, int no_set_st
     return instance->terminate ? 2 : 0;
 }
 
+#ifndef WITHOUT_EVENTS
+#define CALL3(NAME, ...)                                                                          \
+    EXPORT int fmi3##NAME(Foreign *instance, ##__VA_ARGS__) { ENTER(#NAME); return 0; }
+
+CALL3(EnterEventMode)
+CALL3(EnterStepMode)
+
+EXPORT int fmi3SetClock(Foreign *instance, const uint32_t *r, size_t n, const bool *values)
+{
+    ENTER("SetClock");
+    for (size_t i = 0; i < n; i++)
+        instance->ticks[r[i]] = values[i];
+    return 0;
+}
+
+EXPORT int fmi3GetClock(Foreign *instance, const uint32_t *r, size_t n, bool *values)
+{
+    ENTER("GetClock");
+    for (size_t i = 0; i < n; i++)
+        values[i] = instance->ticks[r[i]];
+    return 0;
+}
+
+EXPORT int fmi3GetIntervalDecimal(Foreign *instance, const uint32_t *r, size_t n,
+                                  double *intervals, int *qualifiers)
+{
+    ENTER("GetIntervalDecimal");
+    for (size_t i = 0; i < n; i++) {
+        intervals[i] = instance->interval[r[i]];
+        qualifiers[i] = instance->qualifier[r[i]];
+    }
+    return 0;
+}
+
+EXPORT int fmi3GetShiftDecimal(Foreign *instance, const uint32_t *r, size_t n, double *shifts)
+{
+    ENTER("GetShiftDecimal");
+    for (size_t i = 0; i < n; i++)
+        shifts[i] = instance->shift[r[i]];
+    return 0;
+}
+
+/* Clocks rest again after every update, as the standard says. */
+EXPORT int fmi3UpdateDiscreteStates(Foreign *instance, bool *again, bool *terminate,
+                                    bool *nominals, bool *states, bool *has_next, double *next)
+{
+    int status = HOOK(instance, "UpdateDiscreteStates");
+    *again = instance->again;
+    *terminate = instance->terminate;
+    *nominals = *states = false;
+    *has_next = instance->has_next;
+    *next = instance->next;
+    for (int i = 0; i < VALUES; i++)
+        instance->ticks[i] = false;
+    return status;
+}
+#endif
+
 EXPORT int fmi3DoStep(Foreign *instance, double time, double step, bool no_set_state, bool *event,
                       bool *terminate, bool *early, double *last)
 {
     instance->time = time;
+    instance->event = instance->early = false;
+    instance->last = time + step;
     ENTER("DoStep");
-    *event = *early = false;
+    *event = instance->event;
+    *early = instance->early;
     *terminate = instance->terminate;
-    *last = time + step;
+    *last = instance->last;
     return 0;
 }

@@ -104,9 +104,9 @@ static inline Outcome copy_and_set(Kernel *kernel, const Operation *op, Instance
 
 static inline Outcome step(Kernel *kernel, Instance *instance, double time)
 {
-    return __builtin_expect(instance->substeps == 1, 1)
-             ? step_once(kernel, instance, time)
-             : step_in_parts(kernel, instance);
+    return __builtin_expect(instance->is_plain, 1) ? step_once(kernel, instance, time)
+         : instance->events                        ? step_with_events(kernel, instance)
+                                                   : step_in_parts(kernel, instance);
 }
 
 RUN(set_run, copy_and_set(kernel, op, instance))

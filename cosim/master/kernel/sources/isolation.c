@@ -4,16 +4,9 @@
    Whoever waits looks at the memory for a while and then sleeps on a pipe. When the other process is
    gone its end of the pipe is closed, which wakes the sleeper: a death costs a status. */
 
-#include "kernel.h"
+#include "isolation.h"
 
-enum {
-    TRIES = 1000, /* to write a byte, which a signal may interrupt; then nobody is there */
-    REQUEST_STEP = 0,
-    REQUEST_ACCESS = 1, /* 1 + 2 * type, and 1 more to set */
-    REQUEST_PYTHON = -1,
-    GONE = 100, /* in place of a status */
-    TOO_LARGE = 101
-};
+enum { TRIES = 1000 }; /* to write a byte, which a signal may interrupt; then nobody is there */
 
 static void relax(void)
 {
@@ -65,7 +58,7 @@ static void hand_over(const Isolation *side, int64_t *turn, int64_t *sleeping)
             ;
 }
 
-static int ask(Isolation *own, int64_t request)
+int ask_other(Isolation *own, int64_t request)
 {
     Exchange *e = own->exchange;
     if (own->is_gone)
@@ -83,16 +76,6 @@ static int64_t size_of(int64_t type)
 {
     static const char sizes[] = {8, 4, 1, 1, 2, 2, 4, 4, 8, 8, 1, 4};
     return sizes[type];
-}
-
-static uint32_t *references_of(Exchange *e)
-{
-    return (uint32_t *)(e + 1);
-}
-
-static char *values_of(Exchange *e)
-{
-    return (char *)(e + 1) + (e->most_references + 1) / 2 * 8;
 }
 
 static void copy_bytes(void *to, const void *from, int64_t count)
@@ -113,7 +96,7 @@ static int access_values(Isolation *own, int64_t type, bool is_set, const uint32
     copy_bytes(references_of(e), references, (int64_t)count * 4);
     if (is_set)
         copy_bytes(values_of(e), values, bytes);
-    int status = ask(own, REQUEST_ACCESS + 2 * type + is_set);
+    int status = ask_other(own, REQUEST_ACCESS + 2 * type + is_set);
     if (!is_set && status != GONE)
         copy_bytes(values, values_of(e), bytes);
     return status;
@@ -162,7 +145,7 @@ static int step2(void *instance, double time, double step, int no_set_state_befo
     own->exchange->time = time;
     own->exchange->step = step;
     (void)no_set_state_before;
-    return ask(own, REQUEST_STEP);
+    return ask_other(own, REQUEST_STEP);
 }
 
 static int step3(void *instance, double time, double step, bool no_set_state_before, bool *event,
@@ -173,7 +156,7 @@ static int step3(void *instance, double time, double step, bool no_set_state_bef
     e->time = time;
     e->step = step;
     (void)no_set_state_before;
-    int status = ask(own, REQUEST_STEP);
+    int status = ask_other(own, REQUEST_STEP);
     if (status != GONE) {
         *event = e->event != 0;
         *terminate = e->terminate != 0;
@@ -183,7 +166,8 @@ static int step3(void *instance, double time, double step, bool no_set_state_bef
     return status;
 }
 
-/* What the kernel calls in place of the FMU's function: `type` as in KIND_SET, or -1 for a step. */
+/* What the kernel calls in place of the FMU's function: `type` as in KIND_SET, -1 for a step, or the
+   calls of event mode from -2 down. */
 EXPORT void *kernel_isolated(int64_t version, int64_t type, int64_t is_set)
 {
     static void *const accessors2[][2] = {
@@ -204,6 +188,8 @@ EXPORT void *kernel_isolated(int64_t version, int64_t type, int64_t is_set)
         [TYPE_UINT64] = {(void *)get3_uint64, (void *)set3_uint64},
         [TYPE_BOOLEAN] = {(void *)get3_boolean, (void *)set3_boolean},
     };
+    if (type < -1)
+        return isolated_event_call(-2 - type);
     if (type < 0)
         return version == 2 ? (void *)step2 : (void *)step3;
     return version == 2 ? accessors2[type][is_set] : accessors3[type][is_set];
@@ -212,7 +198,7 @@ EXPORT void *kernel_isolated(int64_t version, int64_t type, int64_t is_set)
 /* A call that only Python can make is due in the other process. */
 EXPORT int32_t kernel_isolated_ask(Isolation *own)
 {
-    return ask(own, REQUEST_PYTHON);
+    return ask_other(own, REQUEST_PYTHON);
 }
 
 static int serve(const Isolation *own, void *instance)
@@ -232,6 +218,8 @@ static int serve(const Isolation *own, void *instance)
         e->last_time = last_time;
         return status;
     }
+    if (e->request >= REQUEST_EVENTS)
+        return serve_event_call(own, instance);
     void *function = own->functions[e->request];
     size_t count = (size_t)e->reference_count;
     if (own->version == 2)

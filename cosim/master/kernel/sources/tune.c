@@ -1,6 +1,6 @@
 /* What is turned while the plan runs: parameters between two steps of a component, and channels. */
 
-#include "kernel.h"
+#include "events.h"
 
 /* The events of the tick that begins. */
 void apply_changes(Kernel *kernel)
@@ -36,6 +36,8 @@ Outcome tune(Kernel *kernel, const Operation *op)
         return OUTCOME_DONE; /* a Python component reads the cells */
     Instance *instance = &kernel->instances[op->owner];
     const Outcome outcome = set_values(kernel, op, instance);
+    if (instance->events)
+        instance->events->turned = 1;
     if (instance->foreign)
         kernel_restore_float_mode(kernel->float_mode);
     return outcome;

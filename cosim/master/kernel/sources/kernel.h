@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 8 };
+enum { KERNEL_ABI = 9 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -31,7 +31,8 @@ typedef enum {
     OUTCOME_RANGE = 4,        /* `cell` does not fit the type of the input, or an output a cell */
     OUTCOME_EARLY_RETURN = 5, /* an FMI 3 FMU stopped inside its step */
     OUTCOME_TERMINATED = 6,   /* an FMI 3 FMU asked for the end of the simulation */
-    OUTCOME_OVERFLOW = 7      /* more packets in flight than the plan foresaw */
+    OUTCOME_OVERFLOW = 7,     /* more packets in flight than the plan foresaw */
+    OUTCOME_EVENT = 8         /* an FMU in event mode did what `event_fault` says */
 } Outcome;
 
 typedef enum {
@@ -135,6 +136,8 @@ typedef struct {
     double step;      /* s, of one doStep */
     int64_t foreign;  /* not ours: it may change how the processor computes */
     int64_t warnings;
+    int64_t is_plain; /* one step a period, and no event mode */
+    struct Events *events; /* NULL where event mode is not used */
 } Instance;
 
 /* One stream of packets: the variables of one channel, direction and rate, or one sampled
@@ -205,6 +208,10 @@ typedef struct {
     int64_t operation; /* where it stopped, and why */
     int64_t status;
     int64_t cell;
+    int64_t event_call; /* what the FMU is called for at an event */
+    int64_t event_fault;
+    int64_t event_clock;
+    double event_value;
 } Kernel;
 
 /* What an FMU says through its logger, a line a message: in `text` what is well, in `grave`, behind
@@ -300,6 +307,7 @@ typedef int (*Step3)(void *instance, double time, double step, bool no_set_state
 Outcome get_values(Kernel *kernel, const Operation *operation, Instance *instance);
 Outcome set_values(Kernel *kernel, const Operation *operation, Instance *instance);
 Outcome step_in_parts(Kernel *kernel, Instance *instance);
+Outcome step_with_events(Kernel *kernel, Instance *instance);
 
 void apply_changes(Kernel *kernel);
 Outcome tune(Kernel *kernel, const Operation *operation);

@@ -123,15 +123,11 @@ Outcome set_values(Kernel *kernel, const Operation *op, Instance *instance)
                         &instance->warnings);
 }
 
-/* One period of an instance in equal steps; the time of each is rounded once, as that of a tick. */
+/* One period of an instance in equal steps. */
 Outcome step_in_parts(Kernel *kernel, Instance *instance)
 {
-    double denominator = (double)(instance->substeps * kernel->tick_denominator);
     for (int64_t i = 0; i < instance->substeps; i++) {
-        int64_t ticks = (kernel->start_tick + kernel->tick) * instance->substeps
-                      + i * instance->period;
-        double time = (double)(ticks * kernel->tick_numerator) / denominator;
-        Outcome outcome = step_once(kernel, instance, time);
+        Outcome outcome = step_once(kernel, instance, time_of_part(kernel, instance, i));
         if (outcome != OUTCOME_DONE)
             return outcome;
     }

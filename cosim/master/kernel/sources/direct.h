@@ -75,4 +75,13 @@ static inline double time_of_tick(const Kernel *kernel)
     return (double)(tick * kernel->tick_numerator) / (double)kernel->tick_denominator;
 }
 
+/* The time (s) at which a part of an instance's period begins, rounded once, as that of a tick. */
+static inline double time_of_part(const Kernel *kernel, const Instance *instance, int64_t part)
+{
+    int64_t ticks = (kernel->start_tick + kernel->tick) * instance->substeps
+                  + part * instance->period;
+    return (double)(ticks * kernel->tick_numerator)
+         / (double)(instance->substeps * kernel->tick_denominator);
+}
+
 #endif

@@ -1,0 +1,188 @@
+"""The clocks of an FMU of FMI 3.0, as its description declares them.
+
+Sources: FMI 3.0, section 2.2.8 (clocks), section 4.2 (event mode of co-simulation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.errors import InputError
+from cosim.scenario.build.timebase import hertz
+
+MOST_CLOCKS = 62
+"""Of one FMU: a bit each in one of the kernel's words."""
+_VARIABILITIES = ("constant", "fixed", "tunable", "changing", "countdown", "triggered")
+_PERIODIC = ("constant", "fixed", "tunable")
+
+
+@dataclass(frozen=True, slots=True)
+class ClockFacts:
+    """One clock: how its ticks come about."""
+
+    name: str
+    causality: Causality
+    variability: str
+    """``intervalVariability``."""
+    interval: Fraction | None
+    """s; ``None`` where the FMU is asked for it."""
+    shift: Fraction
+    """Time of the first tick (s), of a periodic one."""
+    of: tuple[str, ...]
+    """The clocks that it belongs to."""
+    has_age: bool = True
+    """Whether ``age_of`` is a signal of its own, rather than a variable of the FMU."""
+
+    @property
+    def is_periodic(self) -> bool:
+        """Whether it ticks at equal intervals."""
+        return self.variability in _PERIODIC
+
+    @property
+    def is_triggered_input(self) -> bool:
+        """Whether it ticks when others want it to."""
+        return self.variability == "triggered" and self.causality is Causality.INPUT
+
+
+@dataclass(frozen=True, slots=True)
+class EventFacts:
+    """What the kernel has to know of an FMU whose event mode is used."""
+
+    clocks: tuple[ClockFacts, ...]
+    clocked: Mapping[str, tuple[str, ...]]
+    """The clocks of each variable that belongs to some."""
+    at_start: frozenset[str]
+    """Clocked outputs with a value in initialisation mode."""
+    may_return: bool
+    """Whether steps of any length are allowed, so that one may be left at an event."""
+
+    def clock_names(self) -> frozenset[str]:
+        """What stands for a clock among the FMU's variables."""
+        ages = (age_of(clock.name) for clock in self.clocks if clock.has_age)
+        return frozenset((*(clock.name for clock in self.clocks), *ages))
+
+    def is_event_input(self, variable: Variable) -> bool:
+        """Whether an input is set in event mode: when its clock ticks, or when it has changed."""
+        return variable.name in self.clocked or (
+            variable.variability == "discrete" and not variable.type.is_text
+        )
+
+
+def age_of(clock: str) -> str:
+    """The signal that says how many ticks ago a clock has ticked."""
+    return f"{clock}.age"
+
+
+def clock_variables(clocks: tuple[ClockFacts, ...]) -> list[Variable]:
+    """What others see of clocks: how often each has ticked, and how long ago.
+
+    A triggered input is a number, too: it ticks when the number changes.
+    """
+    found: list[Variable] = []
+    for clock in clocks:
+        is_input = clock.is_triggered_input
+        causality = Causality.OUTPUT if clock.causality is Causality.INPUT else clock.causality
+        found.append(
+            _whole(
+                clock.name,
+                Causality.INPUT if is_input else causality,
+                "ticks when this number changes" if is_input else "ticks so far",
+            )
+        )
+        if clock.has_age:
+            shown = Causality.LOCAL if causality is Causality.LOCAL else Causality.OUTPUT
+            about = "base ticks since its last tick; -1 before the first"
+            found.append(_whole(age_of(clock.name), shown, about))
+    return found
+
+
+def _whole(name: str, causality: Causality, description: str) -> Variable:
+    return Variable(
+        name=name,
+        type=VariableType.INT64,
+        causality=causality,
+        variability="discrete",
+        start=0 if causality is Causality.INPUT else None,
+        description=description,
+    )
+
+
+def read_clocks(root: ET.Element) -> list[dict[str, Any]]:
+    """The clocks of a ``modelDescription.xml`` as plain values."""
+    names = {
+        each.get("valueReference"): each.get("name", "")
+        for each in root.iterfind("ModelVariables/*")
+    }
+    return [
+        {
+            "name": each.get("name", ""),
+            "causality": each.get("causality", "local"),
+            "variability": each.get("intervalVariability", ""),
+            "interval": _time(each, "interval"),
+            "shift": _time(each, "shift"),
+            "of": tuple(names.get(word, word) for word in each.get("clocks", "").split()),
+        }
+        for each in root.iterfind("ModelVariables/Clock")
+    ]
+
+
+def clock_facts(plain: dict[str, Any], taken: Container[str]) -> ClockFacts:
+    """A clock of what ``read_clocks`` found; ``taken`` are the names of the FMU's variables.
+
+    Raises:
+        InputError: its ticks do not follow from what it says.
+    """
+    name, variability = plain["name"], plain["variability"]
+    if variability not in _VARIABILITIES:
+        raise InputError(
+            f"the clock {name} has the intervalVariability '{variability}'; the standard knows "
+            f"{', '.join(_VARIABILITIES)}"
+        )
+    interval = None if plain["interval"] is None else Fraction(*plain["interval"])
+    if variability == "constant" and interval is None:
+        raise InputError(f"the clock {name} is constant and has no intervalDecimal")
+    if variability != "triggered" and plain["causality"] != "input":
+        raise InputError(f"the clock {name} is {variability}, so it has to be an input")
+    return ClockFacts(
+        name=name,
+        causality=Causality(plain["causality"]),
+        variability=variability,
+        interval=interval if variability in _PERIODIC else None,
+        shift=Fraction(*plain["shift"]) if plain["shift"] is not None else Fraction(0),
+        of=tuple(plain["of"]),
+        has_age=age_of(name) not in taken,
+    )
+
+
+def check_grid(clock: ClockFacts, step: Fraction) -> None:
+    """Whether a periodic clock ticks where steps of ``step`` (s) end.
+
+    Raises:
+        InputError: it does not; says which rate would do.
+    """
+    for what, time in (("an interval", clock.interval), ("a shift", clock.shift)):
+        if time is None or not clock.is_periodic:
+            continue
+        if time < 0 or (what == "an interval" and time == 0):
+            raise InputError(f"the clock {clock.name} has {what} of {float(time):g} s")
+        if (time / step).denominator != 1:
+            raise InputError(
+                f"the clock {clock.name} has {what} of {float(time):g} s, which is no whole number "
+                f"of the component's steps of {float(step):g} s; write a rate of "
+                f"{hertz(1 / time)} or a multiple of it, or 'event_mode: false' to leave its "
+                "clocks out"
+            )
+
+
+def _time(element: ET.Element, what: str) -> tuple[int, int] | None:
+    """s, as a ratio; the counter and the resolution are exact, where both are there."""
+    counter, resolution = element.get(f"{what}Counter"), element.get("resolution")
+    decimal = element.get(f"{what}Decimal")
+    if counter is not None and resolution is not None and int(resolution):
+        return Fraction(int(counter), int(resolution)).as_integer_ratio()
+    return None if decimal is None else Fraction(decimal).as_integer_ratio()
