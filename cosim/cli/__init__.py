@@ -20,6 +20,7 @@ COMMANDS = {
     "device": "Real devices: find, check, home, calibrate, emulate.",
     "doctor": "Look whether this machine can run devices, and say what to do.",
     "fmu": "List, inspect, validate, export, write and build FMUs.",
+    "identify": "Tell inertia, friction, latency, offset and gain of a device from its runs.",
     "keygen": "Make a pre-shared key for a link between workstations.",
     "live": "Watch a paced run from another terminal.",
     "merge": "Align the records of the stations of one session.",
@@ -44,6 +45,7 @@ COMMANDS = {
 HOMES = {
     "compare": "recorded.compare",
     "completion": "first_steps.completion",
+    "identify": "recorded.identify",
     "new": "first_steps.new",
     "replay": "recorded.replay",
     "runs": "recorded.listing",

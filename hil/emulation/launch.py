@@ -18,6 +18,7 @@ from cosim.base.errors import InputError
 from cosim.base.system.grants import freeze_garbage, real_time_priority
 from hil.emulation.board import Board
 from hil.emulation.links import CanLink, HostLink, PtyLink, SlcanLink
+from hil.emulation.mechanics import Mechanics
 from hil.emulation.plant import Hand, SimulatedPantograph
 from hil.emulation.server import Server
 from hil.emulation.world import World
@@ -41,6 +42,8 @@ class Order:
     """Stiffness (N/m) and damping (N.s/m) of the hand that holds the handle."""
     operator: Mapping[str, Any] | None = None
     """Parameters of the operator FMU that moves the handle once the run starts."""
+    mechanics: Mechanics = field(default_factory=Mechanics)
+    """What the pantograph is made of, over ``parameters`` and ``hand``."""
     priority: int = 0
     """SCHED_FIFO priority, where it is granted; 0 for none."""
     link: str = "pty"
@@ -60,8 +63,14 @@ def make(order: Order) -> Made:
     """
     module, _, name = _maker(order.name).partition(":")
     board = getattr(import_module(module), name)
+    mechanics = order.mechanics
     body = SimulatedPantograph(
-        order.parameters, hand=Hand(**order.hand), operator=order.operator, step=order.tick
+        {**order.parameters, **mechanics.parameters},
+        hand=mechanics.held(Hand(**order.hand)),
+        operator=order.operator,
+        step=order.tick,
+        gain=mechanics.gain,
+        noise=mechanics.noise,
     )
     return board(order, World(body, lockstep=order.lockstep))
 
@@ -124,7 +133,8 @@ def serve(
     server = Server(board, link, path, tick=order.tick, owner=owner)
     joined = "&" if "?" in url else "?"
     url += f"{joined}emulator={path}" + ("&lockstep=1" if order.lockstep else "")
-    report({"url": url, "control": str(path), "home": board.world.body.angle(), "pid": os.getpid()})
+    home = order.mechanics.homed(board.world.body.angle())
+    report({"url": url, "control": str(path), "home": home, "pid": os.getpid()})
     try:
         server.run()
     finally:

@@ -6,6 +6,7 @@ The pantograph is our own model, the same that a scenario simulates; torque in, 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from random import Random
 from typing import Any, Protocol
 
 from hil.emulation.model import SteppedModel
@@ -53,7 +54,8 @@ class SimulatedPantograph:
     """The pantograph FMU with a hand at its tip.
 
     ``parameters`` are the FMU's. ``hand`` holds the handle; with ``operator``, parameters of the
-    operator FMU, that one takes over from :meth:`start` on.
+    operator FMU, that one takes over from :meth:`start` on. ``gain`` is what motors give of what
+    they are told, ``noise`` the standard deviation of what the encoders see (rad).
     """
 
     def __init__(
@@ -63,7 +65,11 @@ class SimulatedPantograph:
         hand: Hand | None = None,
         operator: Mapping[str, Any] | None = None,
         step: float = 1 / 1024,
+        gain: Pair = (1.0, 1.0),
+        noise: float = 0.0,
     ) -> None:
+        self._gain, self._noise, self._chance = gain, noise, Random(0)
+        self._error: Pair = (0.0, 0.0)
         self._model = SteppedModel("pantograph", parameters or {})
         self._hand = hand or Hand()
         # Made now, because unpacking an FMU takes longer than a host waits for an answer.
@@ -74,8 +80,9 @@ class SimulatedPantograph:
         """What the hand did to the tip in the last tick (N)."""
 
     def angle(self) -> Pair:
-        """True joint angles (rad)."""
-        return self._model.pair("true_joint_angle")
+        """Joint angles (rad) as the encoders see them."""
+        angle = self._model.pair("true_joint_angle")
+        return angle[0] + self._error[0], angle[1] + self._error[1]
 
     def start(self) -> None:
         """The operator's time is zero now."""
@@ -86,8 +93,11 @@ class SimulatedPantograph:
         position, velocity = self._model.pair("tip_position"), self._model.pair("tip_velocity")
         self.hand_force = self._force(position, velocity)
         self._model.set("hand_force", self.hand_force)
-        self._model.set("motor_torque", torque)
+        self._model.set("motor_torque", (self._gain[0] * torque[0], self._gain[1] * torque[1]))
         self._model.step(self._step)
+        if self._noise:
+            first, second = (self._chance.gauss(0.0, self._noise) for _ in range(2))
+            self._error = (first, second)
 
     def close(self) -> None:
         """Free the models."""

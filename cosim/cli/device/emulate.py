@@ -26,6 +26,12 @@ if TYPE_CHECKING:
 @click.option("--scenario", help="Take pantograph and operator from this scenario ...")
 @click.option("--with", "overlays", multiple=True, metavar="FILE", help="... with this over it ...")
 @click.option("--component", help="... namely this component and the operator that moves it.")
+@click.option(
+    "--mechanics",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    metavar="FILE",
+    help="What it is made of: mass, friction, gains, who holds it.",
+)
 @click.option("--firmware", is_flag=True, help="cobs: compile and run hil/firmware on its side.")
 @click.option("--lockstep", is_flag=True, help="Advance only as the driver exchanges.")
 @click.option("--link", default="pty", show_default=True, help="pty, slcan or udp_multicast.")
@@ -42,6 +48,7 @@ def emulate_device(
     scenario: str | None,
     overlays: tuple[str, ...],
     component: str | None,
+    mechanics: Path | None,
     link: str,
     output: Path | None,
     fault: str | None,
@@ -56,6 +63,7 @@ def emulate_device(
     from contextlib import ExitStack
 
     from hil.emulation.launch import Emulator, Order
+    from hil.emulation.mechanics import Mechanics, load
     from hil.setup.registry import find
 
     if scenario is None:
@@ -71,6 +79,7 @@ def emulate_device(
             lockstep=lockstep,
             parameters=pantograph,
             operator=operator,
+            mechanics=Mechanics() if mechanics is None else load(mechanics),
             link=link,
             options={"firmware": _firmware(name, stack)} if firmware else {},
             priority=0 if lockstep else 60,

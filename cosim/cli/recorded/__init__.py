@@ -1,1 +1,1 @@
-"""Commands on runs that are there: find, compare and compute them again."""
+"""Commands on runs that are there: find, compare, compute again, and tell a device from them."""

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from cosim.base.document.form import QuantityIn
 from cosim.reading import FORMS
+from hil.emulation.mechanics import Mechanics
 from hil.sensing.sensor_file import SensorFileForm
 from hil.setup.device_form import DeviceFileForm
 from hil.setup.options import IntegersIn
@@ -32,6 +33,7 @@ def forms() -> dict[str, type[BaseModel]]:
     roots = [
         DeviceFileForm,
         SensorFileForm,
+        Mechanics,
         *(FORMS[name]() for name in ("safety", "realtime", "link")),
         *(driver.settings for driver in drivers),
         *(driver.options for driver in drivers),

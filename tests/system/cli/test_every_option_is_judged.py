@@ -22,7 +22,8 @@ Found = tuple[str, click.Command, click.Parameter]
 
 READ = {
     *("device check --file", "device home --file", "device calibrate --file", "keygen FILE"),
-    "device conform --file",
+    *("device conform --file", "device emulate --mechanics"),
+    *("identify RUNS", "identify --plan", "identify --device"),
     *("merge RUNS", "record compact RUN", "record compress RUNS", "record digest RUNS"),
     *("record export RUN", "record list RUN", "record summary RUN", "render RUN"),
     "ssp import FILE",

@@ -1,0 +1,1 @@
+"""What the command ``identify`` finds out about devices before it looks at their motion."""

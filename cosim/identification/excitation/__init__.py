@@ -1,0 +1,1 @@
+"""The motion that tells a device apart: how it is designed inside the limits, and who makes it."""
