@@ -79,7 +79,7 @@ def test_one_run_tells_an_emulated_haply_but_for_its_gain(tmp_path):
 @pytest.mark.exhaustive
 def test_two_runs_tell_an_emulated_haply_and_the_preset_is_used(tmp_path):
     runs = [excited(tmp_path, 0.0, "40"), excited(tmp_path, PAYLOAD, "40")]
-    preset, figure = tmp_path / "measured.yaml", tmp_path / "fit.png"
+    preset, figure = tmp_path / "preset.yaml", tmp_path / "fit.png"
     names = [str(each) for each in runs]
     status, text = command(
         "identify", *names, "--json", "--out", str(preset), "--figure", str(figure)
@@ -102,14 +102,18 @@ def test_two_runs_tell_an_emulated_haply_and_the_preset_is_used(tmp_path):
 
 
 def _ablations(names: list[str], found: dict[str, float], inertia: np.ndarray) -> None:
-    """A wrong mass breaks gain and inertia; a wrong geometry leaves something in the residual."""
+    """A wrong mass breaks gain and inertia; without one there is no gain, and friction is off."""
     light = json.loads(command("identify", *names, "--payload", f"{names[1]}=45 g", "--json")[1])
     wrong = {name: each["value"] for name, each in light["estimates"].items()}
     assert abs(wrong["gain_1"] / TRUE_GAIN[0] - 1) > GAIN
     assert abs(wrong["home_11"] / inertia[0, 0] - 1) > INERTIA
     alone = json.loads(command("identify", names[0], "--json")[1])["estimates"]
     assert alone["gain_1"]["value"] is None
-    assert abs(alone["home_11"]["value"] / inertia[0, 0] - 1) > INERTIA, "its torque has no scale"
+    # Its torque has no scale: each joint's friction is off by its motor's gain.
+    for joint, gain in zip((1, 2), TRUE_GAIN, strict=True):
+        friction = alone[f"coulomb_{joint}"]["value"]
+        assert friction == pytest.approx(0.005 / gain, rel=COULOMB)
+        assert abs(friction / 0.005 - 1) > COULOMB
 
 
 def _is_used(folder: Path, preset: Path) -> None:
