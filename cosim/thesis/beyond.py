@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, cast
 
 from cosim.thesis.breaking import CURVES, DELAYS, Curve, Limit, find_limit
-from cosim.thesis.experiments import Task, in_parallel
+from cosim.thesis.experiments import Task, bundled_file, in_parallel
 from cosim.thesis.free_motions import DELAYS as PREDICTED_DELAYS
 from cosim.thesis.free_motions import PREDICTORS, REALISM, prediction
 from cosim.thesis.trials import Motion, free_motion
@@ -84,7 +84,7 @@ def radii_of(users: int) -> tuple[float, ...]:
     from cosim.theory.models.timing import PathDelay, Timing
     from cosim.theory.stability.spectral_radius import stability
 
-    models = distributed_modes(load(_CARRIED_BY[users]), fingers=1).values()
+    models = distributed_modes(load(bundled_file(_CARRIED_BY[users])), fingers=1).values()
     return tuple(
         max(
             stability(model, Timing(delay=PathDelay.round_trip(delay))).spectral_radius

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from cosim.thesis.experiments import bundled_file
 from cosim.thesis.trials import grasp
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def predict(curve: Curve, delay: int) -> float | None:
 
     timing = Timing(delay=PathDelay.round_trip(0 if curve == "jitter" else delay))
     if curve in {"stiffness", "jitter"}:
-        server = load(CENTRALIZED).components["server"]
+        server = load(bundled_file(CENTRALIZED)).components["server"]
 
         def stable(x: float) -> bool:
             found = centralized_modes(server, remote_stiffness=float(np.exp(x))).values()
@@ -128,9 +129,9 @@ def predict(curve: Curve, delay: int) -> float | None:
         return float(np.exp(_bisect(stable, low, high, 20)[0]))
     models: list[Model] = []
     if curve == "centralized_loss":
-        models += centralized_modes(load(CENTRALIZED).components["server"]).values()
+        models += centralized_modes(load(bundled_file(CENTRALIZED)).components["server"]).values()
     else:
-        scenario = load(DISTRIBUTED, (), [f"channels.lan.round_trip_delay={delay}"])
+        scenario = load(bundled_file(DISTRIBUTED), (), [f"channels.lan.round_trip_delay={delay}"])
         timing = replace(timing, delay=find_grasp(scenario).timing.delay)
         models += distributed_modes(scenario).values()
     losses = [critical_loss(model, timing) for model in models]
@@ -165,7 +166,7 @@ def holds(
     ]
     if stiffness is not None:
         parameters = "components.server.parameters.remote"
-        normal, tangential = _soft_stiffness()
+        normal, tangential = soft_stiffness()
         sets += [
             f"{parameters}_normal_stiffness={stiffness}",
             f"{parameters}_tangential_stiffness={stiffness * tangential / normal}",
@@ -174,12 +175,12 @@ def holds(
 
 
 @cache
-def _soft_stiffness() -> tuple[float, float]:
+def soft_stiffness() -> tuple[float, float]:
     """The remote user's stiffness in section 8.2, along the normal and along the face (N/m)."""
     from cosim.analysis.grasp import parameter
     from cosim.scenario import load
 
-    server = load(CENTRALIZED).components["server"]
+    server = load(bundled_file(CENTRALIZED)).components["server"]
     return parameter(server, "remote_normal_stiffness"), parameter(
         server, "remote_tangential_stiffness"
     )
