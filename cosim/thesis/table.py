@@ -33,7 +33,7 @@ def with_table(page: str, decided: Sequence[Decided]) -> str:
 
 def _evidence(measured: Measured) -> str:
     found = [_entry(one) for one in measured.found]
-    origin = PREDICTIONS[measured.evidence.scenario, measured.evidence.label].derivation
+    origin = PREDICTIONS[measured.evidence.scenario, measured.evidence.label].origin
     return f"{measured.evidence.meaning}: {'; '.join(found) or 'not measured'} ({origin})"
 
 

@@ -14,6 +14,8 @@ from cosim.analysis import load_tuned
 from cosim.base.quantities.quantity import quantity
 from cosim.run import run_scenario
 from cosim.scenario import load
+from cosim.thesis import breaking
+from cosim.thesis.beyond import radii_of
 from cosim.thesis.experiments import run_one
 from cosim.thesis.extensions import EXTENSIONS
 from cosim.thesis.figures import FIGURES, draw_figures
@@ -66,11 +68,15 @@ def test_each_ablation_fails_its_statement(summaries):
 
 
 def test_every_statement_and_every_piece_of_evidence_has_an_ablation_that_must_fail():
-    for statement in (*STATEMENTS, *EXTENSIONS):
-        if statement.undecidable:
-            continue
-        ablated = {(each.evidence.scenario, each.evidence.label) for each in statement.ablations}
-        assert ablated, statement.name
+    """A piece of evidence for several statements has it with one of them."""
+    decidable = [each for each in (*STATEMENTS, *EXTENSIONS) if not each.undecidable]
+    assert all(statement.ablations for statement in decidable)
+
+    def what(parts):
+        return {(part.scenario, part.label) for part in parts}
+
+    ablated = what(each.evidence for statement in decidable for each in statement.ablations)
+    assert ablated == what(part for statement in decidable for part in statement.evidence)
 
 
 def test_every_limit_has_an_origin_and_the_computed_ones_are_the_scenarios():
@@ -103,10 +109,19 @@ def test_limits_that_an_ablation_meets_as_well_decide_nothing(summaries):
 
 
 def test_a_folder_called_thesis_does_not_hide_the_bundled_scenarios(tmp_path, monkeypatch):
-    (tmp_path / "thesis" / "rigid_contact").mkdir(parents=True)
+    """As where the page itself goes to: ``cohaptic thesis --out thesis``."""
+    hidden = ("rigid_contact", "grasp_centralized_soft", "grasp_distributed", "four_users")
+    for name in hidden:
+        (tmp_path / "thesis" / name).mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
     ran = run_one("rigid_contact", "thesis/rigid_contact", (), tmp_path / "out")
     assert ran.failure == ""
+    breaking.soft_stiffness.cache_clear()
+    assert breaking.soft_stiffness() == (170.0, 270.0)
+    assert breaking.predict("stiffness", 4) == pytest.approx(57, abs=1)
+    assert breaking.predict("centralized_loss", 3) == 0.0
+    assert breaking.predict("distributed_loss", 2) is None
+    assert max(radii_of(4)) < 1.0
 
 
 @pytest.mark.parametrize(
