@@ -5,6 +5,7 @@ The merged run's manifest has it all; of a run of one station there is no table.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -12,6 +13,10 @@ from cosim.report.page.tables import seconds
 
 TIMES = frozenset({"round_trip", "clock_offset"})
 """What of a link is a time (s)."""
+SETTINGS = frozenset({"delay", "late_after"})
+"""What of a stream was set, and so is no count."""
+FIRST = frozenset({"sent", "accepted"})
+"""Counts that are shown first, and where they are nothing, too."""
 
 
 def station_table(manifest: Mapping[str, Any]) -> dict[str, Any] | None:
@@ -31,24 +36,28 @@ def station_table(manifest: Mapping[str, Any]) -> dict[str, Any] | None:
 
 
 def _of_link(link: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Sums over the peers and their streams of what is counted; times of each peer."""
+    """Times of each peer; what is counted of peers and what of their streams, summed apart.
+
+    What was sent and what came are counted under the same names, such as ``withheld``.
+    """
     peers: Mapping[str, Mapping[str, Any]] = link.get("peers") or {}
-    counts: dict[str, int] = {}
+    packets, received = Counter[str](), Counter[str]()
     for peer, facts in peers.items():
         for key, value in facts.items():
             if key in TIMES and value is not None:
                 name = key.replace("_", " ")
                 yield (name if len(peers) == 1 else f"{name}, {peer}"), seconds(float(value))
             elif isinstance(value, int):
-                counts[key] = counts.get(key, 0) + value
+                packets[key] += value
         streams: Mapping[str, Mapping[str, Any]] = facts.get("streams") or {}
         for stream in streams.values():
-            for key in stream.keys() - {"delay", "late_after"}:
+            for key in stream.keys() - SETTINGS:
                 if isinstance(stream[key], int):
-                    counts[key] = counts.get(key, 0) + stream[key]
-    for key, count in sorted(counts.items(), key=lambda each: (each[0] != "sent", each[0])):
-        if count or key == "sent":
-            yield f"packets: {key.replace('_', ' ')}", str(count)
+                    received[key] += stream[key]
+    for label, counts in (("packets", packets), ("received", received)):
+        for key, count in sorted(counts.items(), key=lambda each: (each[0] not in FIRST, each[0])):
+            if count or key in FIRST:
+                yield f"{label}: {key.replace('_', ' ')}", str(count)
 
 
 def _of_deadlines(deadlines: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -16,6 +16,7 @@ from cosim.record import open_run
 from cosim.record.manifest import write_manifest
 from cosim.record.reader import RUN_FILE
 from cosim.record.writer import Recorder
+from cosim.report.page.stations import station_table
 from cosim.report.summary import summarise
 from cosim.station.merge import merge_runs
 
@@ -68,6 +69,19 @@ def test_the_page_has_the_stations_beside_each_other(tmp_path) -> None:
     assert row, "each station kept its own time"
     assert "vr_a.box" in page
     assert "vr_b.box" in page
+
+
+def test_what_was_sent_and_what_came_are_counted_apart() -> None:
+    stream = {"accepted": 8, "withheld": 5, "delay": 1, "late_after": 4, "last_reason": "none"}
+    link = {"peers": {"b": {"sent": 9, "withheld": 2, "streams": {"lan": stream, "wan": stream}}}}
+    table = station_table({"merged": {"links": {"a": link}}})
+    assert table is not None
+    assert dict(table["rows"]) == {
+        "packets: sent": "9",
+        "packets: withheld": "2",
+        "received: accepted": "16",
+        "received: withheld": "10",
+    }
 
 
 def test_scenes_are_joined_and_equal_things_are_one() -> None:
