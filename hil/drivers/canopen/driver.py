@@ -1,7 +1,7 @@
 """``canopen+socketcan://can0?nodes=1``: CiA 406 encoders and CiA 401 analogue outputs on CAN.
 
 One SYNC a tick: positions are sampled at it and come back in the same tick; outputs take over their
-values on reception. Nodes are set up by ``hil.canopen``; here there are raw frames only.
+values on reception. Nodes are set up by ``set_up``; here there are raw frames only.
 From activation on the nodes with outputs watch our heartbeat and drop to zero without it. A node
 that starts anew, changes state or falls silent un-homes the device; an emergency ends in FAULT.
 """
