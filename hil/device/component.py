@@ -11,28 +11,24 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-from cosim.base.component import Cells, Component, Role, Setup, Variable
+from cosim.base.component import Cells, Role, Setup, Variable
 from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import InputError, Location
 from cosim.base.system.supervised import Opening
+from hil.device.board.component import BoardComponent
 from hil.device.contract import Flag, Measurement, State
 from hil.device.device import Device
 from hil.device.driver import Driver
-from hil.device.facts import CAUSES, STATES
 from hil.device.pantograph import terminals, variables
 from hil.device.warnings import warnings_of
 from hil.safety.form import SafetyForm
 from hil.setup import session as sessions
-from hil.setup.address import parse
 from hil.setup.device_file import DeviceFile, default, load
-from hil.setup.options import check_options
 from hil.setup.watchdog_proof import prove_at_opening
 from hil.wire.side_channel import Control
 
-_FILE_OPTIONS = ("file", "preset")
 
-
-class DeviceComponent(Component):
+class DeviceComponent(BoardComponent[Driver]):
     """Read at the beginning of a tick, write once the torque is known.
 
     Variables of role ``simulation_only`` are all there: such an input is accepted and ignored, such
@@ -48,11 +44,7 @@ class DeviceComponent(Component):
         options: Mapping[str, Any],
         safety: Mapping[str, Any] | None = None,
     ) -> None:
-        self.kind = kind
-        self.address = parse(
-            url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS}
-        )
-        check_options(kind.options, self.address)
+        super().__init__(kind, url, options)
         file = device_file(kind, options)
         place = Location("safety", 0, 0)
         self.safety = read_form(SafetyForm, plain_node(safety or {}, place), "'safety'").given()
@@ -64,11 +56,6 @@ class DeviceComponent(Component):
         self._owner = 0
         """The process that opened the device; it alone closes the port."""
         self.flags = Flag.NONE
-
-    @property
-    def lockstep(self) -> bool:
-        """Whether the device is an emulator that advances exactly as far as it is asked to."""
-        return self.address.is_lockstep
 
     @property
     def variables(self) -> Sequence[Variable]:
@@ -118,21 +105,6 @@ class DeviceComponent(Component):
         self._started = False
         self._show(device.read(-1))
         self._applied[...] = 0.0
-
-    @property
-    def states(self) -> Sequence[str]:
-        """Names of the states of a device's life."""
-        return STATES
-
-    @property
-    def causes(self) -> Sequence[str]:
-        """Names of what can end in FAULT."""
-        return CAUSES
-
-    @property
-    def shares_port(self) -> bool:
-        """Whether other processes can go on with its open port."""
-        return self.kind.shares_port
 
     def ask(self) -> None:
         """Ask what has to be asked before the device is opened where nobody can be."""

@@ -6,7 +6,6 @@ out, and alone knows of states, faults and permissions; a driver knows none of t
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
@@ -14,24 +13,22 @@ from typing import TYPE_CHECKING, Any
 
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
+from hil.device.board.driver import BoardDriver
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
-from hil.setup.driver_facts import DriverFacts
 from hil.setup.registry import GROUP, find
 
 if TYPE_CHECKING:
     from hil.wire.serial_port import SerialPort
 
 
-class Driver(DriverFacts, ABC):
+class Driver(BoardDriver, ABC):
     """One protocol on one port; registered under the entry points ``cohaptic.devices``.
 
-    ``tick`` is the control period (s). ``pulse`` is the supervisor's shared memory, ``None``
-    without a supervisor, where the device is number ``number``. ``parameters`` are the scenario's,
-    for what only a simulated device can use. Every call but ``open`` and ``preset`` is bounded in
-    time; errors are raised as ``DeviceError``.
+    ``parameters`` are the scenario's, for what only a simulated device can use. Every call but
+    ``open`` is bounded in time; errors are raised as ``DeviceError``.
     """
 
     def __init__(
@@ -44,11 +41,8 @@ class Driver(DriverFacts, ABC):
         number: int = 0,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
-        self.address = address
+        super().__init__(address, tick=tick, pulse=pulse, number=number)
         self.file = file
-        self.tick = float(tick)
-        self.pulse = pulse
-        self.number = number
         self.parameters = dict(parameters or {})
 
     @classmethod
@@ -56,11 +50,6 @@ class Driver(DriverFacts, ABC):
         """The frames of one tick that ``cohaptic check`` counts; ``None`` off a CAN bus."""
         del address, file
         return None
-
-    @property
-    def name(self) -> str:
-        """What sentences call the device."""
-        return self.address.url
 
     @property
     def watchdog(self) -> Watchdog:
@@ -84,18 +73,6 @@ class Driver(DriverFacts, ABC):
             and abs(proof.timeout - timeout) < 1e-6
             and proof.serial == self.file.serial
         )
-
-    @property
-    def lockstep(self) -> bool:
-        """Whether it is an emulator that advances exactly as far as it is asked to."""
-        return self.address.is_lockstep
-
-    def pause(self) -> None:
-        """One tick's time between exchanges outside the loop; none where no clock is involved."""
-        if self.pulse is not None:
-            self.pulse.beat()
-        if not (self.in_process or self.lockstep):
-            time.sleep(self.tick)
 
     @property
     def port(self) -> SerialPort | None:
@@ -136,10 +113,6 @@ class Driver(DriverFacts, ABC):
     @abstractmethod
     def close(self) -> None:
         """Let go of the port; safe when it was never opened."""
-
-    def serial(self) -> str | None:
-        """The connected device's serial number, ``None`` where it has none to tell."""
-        return None
 
     def set_home(self, home: Pair) -> None:
         """Tell the device its joint angles (rad), where it wants to know them."""

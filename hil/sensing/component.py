@@ -8,18 +8,15 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from cosim.base.component import Causality, Cells, Component, Setup, Variable, VariableType
+from cosim.base.component import Causality, Cells, Setup, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.system.supervised import Opening
-from hil.device.facts import CAUSES, STATES
+from hil.device.board.component import BoardComponent
 from hil.sensing.sensor import Sensor
 from hil.sensing.sensor_driver import SensorDriver
 from hil.sensing.sensor_file import SensorFile, load, parse
 from hil.setup import session as sessions
-from hil.setup.address import parse as parse_address
-from hil.setup.options import check_options
 
-_FILE_OPTIONS = ("file", "preset")
 _OUTPUTS = (
     ("force", VariableType.FLOAT64, "N", (3,), "Force on the sensor; NaN along an unmeasured axis"),
     ("torque", VariableType.FLOAT64, "N.m", (3,), "Torque on it; NaN about an unmeasured axis"),
@@ -28,26 +25,17 @@ _OUTPUTS = (
 )
 
 
-class SensorComponent(Component):
+class SensorComponent(BoardComponent[SensorDriver]):
     """It has no input: nothing that a scenario connects can reach the board."""
 
     feedthrough = False
 
     def __init__(self, kind: type[SensorDriver], url: str, options: Mapping[str, Any]) -> None:
-        self.kind = kind
-        self.address = parse_address(
-            url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS}
-        )
-        check_options(kind.options, self.address)
+        super().__init__(kind, url, options)
         self.file = sensor_file(kind, options)
         self.sensor: Sensor | None = None
         self._owner = 0
         """The process that opened it; it alone closes the port."""
-
-    @property
-    def lockstep(self) -> bool:
-        """Whether it is an emulator that advances exactly as far as it is asked to."""
-        return self.address.is_lockstep
 
     @property
     def variables(self) -> Sequence[Variable]:
@@ -64,21 +52,6 @@ class SensorComponent(Component):
             )
             for name, kind, unit, shape, description in _OUTPUTS
         )
-
-    @property
-    def states(self) -> Sequence[str]:
-        """Names of the states of its life."""
-        return STATES
-
-    @property
-    def causes(self) -> Sequence[str]:
-        """Names of what can end in FAULT."""
-        return CAUSES
-
-    @property
-    def shares_port(self) -> bool:
-        """Whether other processes can go on with its open port."""
-        return self.kind.shares_port
 
     def ask(self) -> None:
         """Nothing has to be asked of people: it cannot push."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
@@ -10,21 +9,20 @@ from typing import ClassVar
 
 from cosim.base.errors import InputError
 from cosim.base.system.pulse import Pulse
+from hil.device.board.driver import BoardDriver
 from hil.device.contract import BusUse
 from hil.sensing.reading import Heard
 from hil.sensing.sensor_file import SensorFile, SensorSettings
 from hil.sensing.sensor_preset import SensorPreset
 from hil.setup.address import DeviceAddress
-from hil.setup.driver_facts import DriverFacts, DriverSettings
+from hil.setup.driver_facts import DriverSettings
 from hil.setup.registry import GROUP, find
 
 
-class SensorDriver(DriverFacts, ABC):
+class SensorDriver(BoardDriver, ABC):
     """One protocol on one port, of a board that measures and has nothing to push with.
 
-    ``tick`` is the sampling period (s). ``pulse`` is the supervisor's shared memory, where the
-    sensor is number ``number``. Every call but ``open`` is bounded in time; errors are raised as
-    ``DeviceError``.
+    Every call but ``open`` is bounded in time; errors are raised as ``DeviceError``.
     """
 
     measures_only: ClassVar[bool] = True
@@ -43,8 +41,8 @@ class SensorDriver(DriverFacts, ABC):
         pulse: Pulse | None = None,
         number: int = 0,
     ) -> None:
-        self.address, self.file = address, file
-        self.tick, self.pulse, self.number = float(tick), pulse, number
+        super().__init__(address, tick=tick, pulse=pulse, number=number)
+        self.file = file
 
     @classmethod
     def preset_names(cls) -> list[str]:
@@ -56,23 +54,6 @@ class SensorDriver(DriverFacts, ABC):
         """The frames of one tick that ``cohaptic check`` counts; ``None`` off a CAN bus."""
         del address, file
         return None
-
-    @property
-    def name(self) -> str:
-        """What sentences call the sensor."""
-        return self.address.url
-
-    @property
-    def lockstep(self) -> bool:
-        """Whether it is an emulator that advances exactly as far as it is asked to."""
-        return self.address.is_lockstep
-
-    def pause(self) -> None:
-        """One tick's time between exchanges outside the loop; none in lock-step."""
-        if self.pulse is not None:
-            self.pulse.beat()
-        if not self.lockstep:
-            time.sleep(self.tick)
 
     @abstractmethod
     def open(self) -> None:
@@ -89,10 +70,6 @@ class SensorDriver(DriverFacts, ABC):
     @abstractmethod
     def close(self) -> None:
         """Let go of the port; safe when it was never opened."""
-
-    def serial(self) -> str | None:
-        """The connected sensor's serial number, ``None`` where it has none to tell."""
-        return None
 
 
 def find_sensor(name: str) -> type[SensorDriver]:

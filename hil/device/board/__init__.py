@@ -1,0 +1,1 @@
+"""What devices and sensors have in common: a board at an address, and a component of the loop."""
