@@ -52,7 +52,7 @@ def _is_of_canopen(axis: int, found: Mapping[tuple[str, int], str]) -> bool:
 
 
 def scan(interface: str, seconds: float = 0.5) -> list[dict[str, str]]:
-    """The nodes on an interface of the kernel's, each with a URL to try.
+    """The nodes on an interface of the kernel's, with URLs to try.
 
     Raises:
         OSError: it cannot be listened to.
@@ -65,10 +65,19 @@ def scan(interface: str, seconds: float = 0.5) -> list[dict[str, str]]:
 
 
 def suggestions(interface: str, found: Mapping[tuple[str, int], str]) -> list[dict[str, str]]:
-    """A URL to try for every node that was heard; drivers that want two nodes get the first two."""
+    """What was heard, with a URL to try where a driver could use it.
+
+    Drivers that want two nodes get the first two; an axis alone is shown at its interface.
+    """
     shown: list[dict[str, str]] = []
+    axes = sum(name == "odrive" for name, _ in found)
     for (driver, node), state in sorted(found.items()):
-        shown.append(_shown(interface, driver, [node], f"node {node} is {state}"))
+        if driver == "canopen":
+            shown.append(_shown(interface, driver, [node], f"node {node} is {state}"))
+            continue
+        alone = "" if axes > 1 else "; it is alone, and the driver wants two, a joint each"
+        said = f"ODrive axis {node} is {state}{alone}"
+        shown.append({"url": interface, "description": said})
     for heard_as, driver in (("canopen", "cia402"), ("odrive", "odrive")):
         nodes = sorted(node for name, node in found if name == heard_as)[:2]
         if len(nodes) == 2:

@@ -12,6 +12,8 @@ from serial.tools import list_ports
 
 from hil.setup.address import parse
 from hil.setup.can_scan import heard, nodes_on, suggestions
+from hil.setup.options import check_options
+from hil.setup.registry import find
 from hil.setup.search import can_interfaces, candidates
 from hil.wire import serial_port
 from hil.wire.serial_port import SerialPort
@@ -78,7 +80,22 @@ def test_two_canopen_nodes_may_be_drives():
     urls = [each["url"] for each in suggestions("can0", found)]
     assert "canopen+socketcan://can0?nodes=4" in urls
     assert "cia402+socketcan://can0?nodes=4,7" in urls
-    assert not any("odrive" in url and "," in url for url in urls)
+    assert not any("odrive" in url for url in urls)
+
+
+@pytest.mark.parametrize("axes", [(3,), (3, 5), (3, 5, 9)])
+def test_every_url_that_a_scan_shows_is_one_that_its_driver_takes(axes):
+    found = {("canopen", 4): "operational", ("canopen", 7): "stopped"}
+    found |= {("odrive", axis): "idle" for axis in axes}
+    shown = suggestions("can0", found)
+    for each in shown:
+        if each["url"] != "can0":
+            address = parse(each["url"])
+            check_options(find(address.driver).options, address)
+    said = [each["description"] for each in shown if each["url"] == "can0"]
+    assert [f"ODrive axis {axis} is idle" in text for axis, text in zip(axes, said, strict=True)]
+    assert all(("alone" in text) is (len(axes) == 1) for text in said)
+    assert ("odrive+socketcan://can0?nodes=3,5" in {e["url"] for e in shown}) is (len(axes) > 1)
 
 
 def test_a_bus_is_only_listened_to():
