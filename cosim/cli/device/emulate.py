@@ -16,6 +16,8 @@ from cosim.cli.support.values import OutputFile
 
 PRESETS = {0: "quanser", 1: "haply"}
 """The pantograph FMU's enumeration of devices."""
+_REFERENCES = {"cobs": "cohaptic_device", "force_sensor": "cohaptic_sensor"}
+"""Drivers whose device side is in ``hil/firmware``, with its name there."""
 
 if TYPE_CHECKING:
     from contextlib import ExitStack
@@ -32,7 +34,11 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="What it is made of: mass, friction, gains, who holds it.",
 )
-@click.option("--firmware", is_flag=True, help="cobs: compile and run hil/firmware on its side.")
+@click.option(
+    "--firmware",
+    is_flag=True,
+    help="cobs, force_sensor: compile hil/firmware, and let that answer.",
+)
 @click.option("--lockstep", is_flag=True, help="Advance only as the driver exchanges.")
 @click.option("--link", default="pty", show_default=True, help="pty, slcan or udp_multicast.")
 @click.option("--file", "output", type=OutputFile(), help="Write its device file.")
@@ -110,12 +116,13 @@ def _firmware(name: str, stack: ExitStack) -> str:
     from cosim.base.errors import InputError
     from hil.firmware.build import build
 
-    if name != "cobs":
-        raise InputError(f"--firmware is for 'cobs', whose device side is ours, not for '{name}'")
+    if name not in _REFERENCES:
+        known = " and ".join(f"'{each}'" for each in _REFERENCES)
+        raise InputError(f"--firmware is for {known}, whose device side is ours, not for '{name}'")
     if find_spec("ziglang") is None:
         raise InputError("--firmware needs a compiler: install the package 'ziglang'")
     folder = stack.enter_context(TemporaryDirectory(prefix="cohaptic-firmware-"))
-    return str(build(Path(folder)))
+    return str(build(Path(folder), _REFERENCES[name]))
 
 
 def _write_emulated_file(output: Path, name: str, more: Mapping[str, Any]) -> None:

@@ -54,6 +54,25 @@ def emulator(request, firmware):
         yield made
 
 
+def test_the_command_lets_the_c_reference_answer(firmware, monkeypatch):
+    built, seen = [], []
+
+    def build_once(folder, name):
+        built.append(name)
+        return firmware
+
+    def look(made):
+        with Sensor(ForceSensorDriver, parse(made.url), file_of()) as sensor:
+            sensor.configure()
+            seen.append(sensor.state)
+
+    monkeypatch.setattr("hil.firmware.build.build", build_once)
+    monkeypatch.setattr(Emulator, "wait", look)
+    given = ["device", "emulate", "force_sensor", "--firmware", "--lockstep"]
+    CliRunner().invoke(cli, given, catch_exceptions=False)
+    assert (built, seen) == (["cohaptic_sensor"], [State.INACTIVE])
+
+
 @pytest.fixture
 def sensor(emulator):
     with Sensor(ForceSensorDriver, parse(emulator.url), file_of(), alarm=Alarm()) as made:

@@ -53,7 +53,7 @@ def test_mistakes_are_sentences():
         invoke("check", "haplyy:///dev/x")
     with pytest.raises(DeviceGone, match="cannot be opened"):
         invoke("check", "haply:///dev/does-not-exist")
-    with pytest.raises(InputError, match="is for 'cobs'"):
+    with pytest.raises(InputError, match="is for 'cobs' and 'force_sensor'"):
         invoke("emulate", "haply", "--firmware")
     with pytest.raises(InputError, match="there is no device driver 'spoon'"):
         invoke("emulate", "spoon")
