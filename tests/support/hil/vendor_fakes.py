@@ -11,7 +11,7 @@ from __future__ import annotations
 from array import array
 from collections import namedtuple
 from enum import Enum, IntEnum
-from math import isnan
+from math import isnan, nan
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -29,6 +29,10 @@ class Maker:
         self.has_watchdog = True
         self.silent = False
         """A bus without answers (moteus)."""
+        self.deaf = False
+        """Controllers that do not stop (moteus)."""
+        self.no_number = False
+        """Positions that are no numbers."""
         self.timeout_mode = b"0"
         self.open = 0
         self.mode = {1: 0, 2: 0}
@@ -182,7 +186,7 @@ def nidaqmx(maker: Maker) -> dict[str, ModuleType]:
 
         def read(self, number_of_samples_per_channel=None, timeout=10.0):
             check("read")
-            return float(maker.board.count(COUNTS)[self.counter])
+            return nan if maker.no_number else float(maker.board.count(COUNTS)[self.counter])
 
         def write(self, data, auto_start=None, timeout=10.0):
             check("write")
@@ -326,6 +330,7 @@ def moteus(maker: Maker) -> dict[str, ModuleType]:
                         raise RuntimeError("the maker's words")
                     settle()
                     turns = maker.board.count(COUNTS)[command.id - 1] / COUNTS
+                    turns = nan if maker.no_number else turns
                     values = {
                         Register.MODE: maker.mode[command.id],
                         Register.POSITION: turns,
@@ -336,6 +341,8 @@ def moteus(maker: Maker) -> dict[str, ModuleType]:
                     continue
                 if "write" in maker.broken:
                     raise RuntimeError("the maker's words")
+                if command.kind == "stop" and maker.deaf:
+                    continue
                 if command.kind == "stop":
                     maker.mode[command.id], wanted[command.id] = 0, 0.0
                     if set(maker.mode.values()) == {0}:

@@ -19,6 +19,7 @@ from cosim.cli import cli
 from hil.device.contract import ZERO, State, WriteOutcome
 from hil.device.device import Device
 from hil.device.errors import ActivationRefused, Cause, DeviceError, DeviceGone
+from hil.device.judge import SETTLING_REPLIES
 from hil.device.warnings import warnings_of
 from hil.drivers.mock.driver import MockDriver
 from hil.safety.permission import ask, emulated
@@ -270,6 +271,27 @@ def test_a_servo_in_fault_is_noticed(rig: Rig):
     rig.exchange(1, (0.005, 0.0))
     assert rig.device.fault.cause is Cause.BOARD
     assert "mode 1" in rig.device.fault_sentence()
+
+
+@pytest.mark.parametrize("name", ["moteus"])
+def test_a_servo_that_does_not_stay_stopped_is_noticed_before_it_is_active(rig: Rig):
+    rig.ready()
+    rig.maker.mode[2], rig.maker.deaf = 15, True
+    rig.exchange(SETTLING_REPLIES)
+    assert rig.device.state is State.INACTIVE, "it may be about an earlier command"
+    rig.exchange(1)
+    assert rig.device.fault.cause is Cause.BOARD
+    assert "moteus 2 was told to stop, and is in mode 15" in rig.device.fault_sentence()
+
+
+@pytest.mark.parametrize("name", ["moteus", "nidaqmx"])
+def test_a_position_that_is_no_number_is_a_fault_and_zero(rig: Rig):
+    rig.active().exchange(200, (0.008, 0.008))
+    rig.maker.no_number = True
+    rig.exchange(1, (0.008, 0.008))
+    assert rig.device.state is State.FAULT
+    assert "no number" in rig.device.fault_sentence()
+    assert rig.torque == ZERO
 
 
 @pytest.mark.parametrize("name", ["moteus"])
