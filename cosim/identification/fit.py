@@ -92,7 +92,9 @@ def fit(bar: FiveBar, found: list[Stretch], start_delay: float, choice: Choice) 
         step = problem.newton(shape, linear, free)
         shape[free] += step[basis.shape[1] :]
         if not (
-            abs(shape[0]) < LONGEST_DELAY and np.all(np.abs(shape[1:3]) < 0.5) and shape[3] > 0
+            abs(shape[0]) < LONGEST_DELAY
+            and np.all(np.abs(shape[1:3]) < 0.5)
+            and np.all(shape[3:] > 0)
         ):
             raise InputError(NO_FIVE_BAR)
         linear = problem.solve(shape)

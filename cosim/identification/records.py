@@ -12,7 +12,7 @@ from cosim.base.suggest import did_you_mean
 from cosim.identification.five_bar import Array
 from cosim.identification.samples import Recording
 from cosim.record import Run, digest
-from cosim.scenario import Scenario
+from cosim.scenario import Kind, Scenario
 
 EXCITATION = "cosim.identification.excitation.controller:Excitation"
 NEEDED = ("joint_angle[1]", "joint_angle[2]", "applied_torque[1]", "applied_torque[2]")
@@ -64,7 +64,13 @@ def payload_of(scenario: Scenario, component: str) -> float | None:
 
 
 def recording(
-    run: Run, component: str, *, limit: float, payload: float | None, force: str | None
+    run: Run,
+    scenario: Scenario,
+    component: str,
+    *,
+    limit: float,
+    payload: float | None,
+    force: str | None,
 ) -> tuple[Recording, int]:
     """A run's rows, and how many base ticks lie from one to the next.
 
@@ -75,14 +81,16 @@ def recording(
     torque = _pair(run, f"{component}.applied_torque")
     angle = _pair(run, f"{component}.joint_angle")
     pushed = None if force is None else _pair(run, force)
-    for name in (f"{component}.applied_torque[1]", *([] if force is None else [f"{force}[1]"])):
-        if run[name].group.name != group.name:
+    sensor = None if force is None else force.rpartition(".")[0]
+    names = [f"{component}.{each}" for each in (*NEEDED, "sample_age", "status")]
+    names += [] if sensor is None else [f"{force}[1]", f"{force}[2]", f"{sensor}.sample_age"]
+    for name in names:
+        if name in run.signals and run[name].group.name != group.name:
             raise InputError(
                 f"{run.folder}: {name} is recorded at another rate than {component}.joint_angle."
             )
     rows = len(angle)
     manifest = run.manifest
-    sensor = None if force is None else force.rpartition(".")[0]
     return (
         Recording(
             name=run.folder.name,
@@ -92,12 +100,14 @@ def recording(
             ticks=group.ticks,
             angle=angle,
             torque=torque,
-            age=_whole(run, f"{component}.sample_age", rows, 0),
-            status=_whole(run, f"{component}.status", rows, 11),
+            age=_whole(run, scenario, component, "sample_age", otherwise=0, rows=rows),
+            status=_whole(run, scenario, component, "status", otherwise=11, rows=rows),
             limit=limit,
             payload=payload,
             force=pushed,
-            force_age=None if sensor is None else _whole(run, f"{sensor}.sample_age", rows, 0),
+            force_age=None
+            if sensor is None
+            else _whole(run, scenario, sensor, "sample_age", otherwise=0, rows=rows),
         ),
         group.period,
     )
@@ -111,8 +121,17 @@ def _pair(run: Run, name: str) -> Array:
     return np.stack([run[f"{name}[{i}]"].values for i in (1, 2)], axis=1).astype(np.float64)
 
 
-def _whole(run: Run, name: str, rows: int, otherwise: int) -> NDArray[np.int64]:
+def _whole(
+    run: Run, scenario: Scenario, component: str, signal: str, *, otherwise: int, rows: int
+) -> NDArray[np.int64]:
     """A whole number of every row; the simulated device's constant where it is not recorded."""
-    if name not in run.signals:
-        return np.full(rows, otherwise, dtype=np.int64)
-    return np.asarray(run[name].values, dtype=np.int64)
+    name = f"{component}.{signal}"
+    if name in run.signals:
+        return np.asarray(run[name].values, dtype=np.int64)
+    part = scenario.components.get(component)
+    if part is not None and part.kind is Kind.DEVICE:
+        raise InputError(
+            f"{run.folder} has no {name} in its record, so nobody knows which of its rows count: "
+            f"record it (record: [{component}.*])."
+        )
+    return np.full(rows, otherwise, dtype=np.int64)

@@ -95,8 +95,11 @@ def identify(
         offsets: whether encoders may show too much; without, they are taken at their word.
 
     Raises:
-        InputError: they are too short, hardly move, or do not tell the inertia.
+        InputError: they are too short, hardly move, or do not tell the inertia, or their ticks
+            differ.
     """
+    if len({each.tick for each in recordings}) > 1:
+        raise InputError("the runs have device rates that differ: identify those of one rate.")
     rows = stretches(described.bar, recordings, steps)
     gains = len({each.payload or 0.0 for each in recordings}) > 1 or any(
         each.force is not None for each in recordings

@@ -161,6 +161,8 @@ def _identified(
     from cosim.record import open_run
     from cosim.record.reader import SCENARIO_FILE
 
+    if len({each.resolve() for each in folders}) < len(folders):
+        raise InputError("a run is named twice: each of them counts once.")
     loads = _loads(payloads, folders)
     recordings: list[Recording] = []
     steps: list[int] = []
@@ -179,6 +181,7 @@ def _identified(
             payload = loads.get(folder)
             rows, step = recording(
                 run,
+                scenario,
                 name,
                 limit=this.limit,
                 payload=payload_of(scenario, name) if payload is None else payload,
@@ -198,11 +201,15 @@ def _loads(payloads: tuple[str, ...], folders: tuple[Path, ...]) -> dict[Path, f
         if not equals:
             raise InputError(f"--payload {text}: say of which run, such as {folders[0]}=50g.")
         matches = [each for each in folders if str(each) == name or each.name == name]
-        if len(matches) != 1:
+        if not matches:
             raise InputError(
                 f"--payload {text}: '{name}' is none of the runs."
                 f"{did_you_mean(name, [str(each) for each in folders])}"
             )
+        if len(matches) > 1:
+            raise InputError(f"--payload {text}: {len(matches)} runs have that name; say the path.")
+        if matches[0] in found:
+            raise InputError(f"--payload {text}: the mass of that run was said before.")
         found[matches[0]] = _mass(mass)
     return found
 

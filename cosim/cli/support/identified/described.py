@@ -61,12 +61,13 @@ def model_of(preset: str) -> str:
 def _device(part: ScenarioComponent, file: Path | None) -> Described:
     from cosim.identification.five_bar import FiveBar
     from cosim.identification.samples import Described
+    from hil.device.board.component import address_of
     from hil.device.component import device_file
     from hil.device.driver import Driver
-    from hil.setup.address import parse
     from hil.setup.registry import find
 
-    kind = find(parse(part.source).driver)
+    address = address_of(part.source, part.options)
+    kind = find(address.driver)
     if kind.measures_only:
         raise InputError(f"'{part.name}' only measures: nothing pushes there.")
     options: dict[str, Any] = dict(part.options)
@@ -77,7 +78,7 @@ def _device(part: ScenarioComponent, file: Path | None) -> Described:
         bar=FiveBar(**asdict(read.linkage)),
         preset=model_of(read.preset),
         limit=read.limits.torque,
-        latency_ticks=kind.latency_ticks,
+        latency_ticks=kind.latency_of(address),
         home=read.home,
     )
 
