@@ -172,11 +172,10 @@ class HandshakeProcess:
                 say(f"connected to {known} of {len(self.peers)}")
             self._check_alive()
             if end is not None and self.start is None and time.monotonic() > end:
-                message = (
+                raise RunError(
                     f"{', '.join(self.peers)} did not come: is the other station running, with the "
                     "same key, and do --listen and --peer of both sides fit?"
                 )
-                raise RunError(message)
         return self.start
 
     def go_live(self) -> None:
@@ -258,8 +257,7 @@ class HandshakeProcess:
 
     def _check_alive(self) -> None:
         if self._gone:
-            message = "the process that shakes hands has ended; its message is above"
-            raise RunError(message)
+            raise RunError("the process that shakes hands has ended; its message is above")
 
     def _take(self, message: bytes, say: Callable[[str], None] | None) -> None:
         match message[:1]:
@@ -284,7 +282,7 @@ class HandshakeProcess:
             case _ if message[:1] == REFUSAL:
                 self._refuse(json.loads(message[1:]), say)
             case _:
-                pass
+                self.absurd += 1
 
     def _refuse(self, facts: dict[str, Any], say: Callable[[str], None] | None) -> None:
         if say is None:

@@ -252,6 +252,17 @@ def test_nothing_that_the_process_says_ends_a_running_loop(message: bytes) -> No
     assert process.start is None
 
 
+def test_a_message_of_no_known_kind_is_counted() -> None:
+    process = HandshakeProcess("b", ["a"])
+    mine, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with mine, theirs:
+        process.attach(mine)
+        for message in (b"K\xff", b"Gx", b"\0"):
+            theirs.send(message)
+        process.hear()
+    assert process.absurd == 3
+
+
 def test_the_process_that_holds_the_key_imports_nothing_of_the_working_folder(
     tmp_path, monkeypatch
 ) -> None:
