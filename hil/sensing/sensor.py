@@ -24,12 +24,10 @@ from hil.sensing.reading import SensorStatus, Wrench
 from hil.sensing.sensor_driver import SensorDriver
 from hil.sensing.sensor_file import SensorFile
 from hil.sensing.sensor_preset import LoadChannel
+from hil.sensing.tare import TARE_SAMPLES, tared
 from hil.setup.address import DeviceAddress
 
 FIRST_TRIES = 50
-TARE_SAMPLES = 64
-TARE_SPREAD, TARE_OFFSET = 0.01, 0.25
-"""Shares of a channel's range within which a load may vary, and be, while it is taken as zero."""
 UNKNOWN = Wrench((nan, nan, nan), (nan, nan, nan))
 
 
@@ -180,26 +178,7 @@ class Sensor:
     def _tare(self) -> None:
         rows = [row for _ in range(TARE_SAMPLES) if (row := self._next()) is not None]
         self.raise_fault()
-        if 2 * len(rows) < TARE_SAMPLES:
-            raise DeviceError(
-                f"{self.name} cannot be tared: only {len(rows)} of {TARE_SAMPLES} samples were fit "
-                "for use"
-            )
-        columns = list(zip(*rows, strict=True))
-        for index, (values, channel) in enumerate(zip(columns, self.file.channels, strict=True)):
-            span, mean = max(values) - min(values), sum(values) / len(values)
-            if span > TARE_SPREAD * channel.full_scale:
-                raise DeviceError(
-                    f"{self.name} cannot be tared: channel {index + 1} varies by {span} counts, "
-                    f"more than {TARE_SPREAD:.0%} of its range; let it be at rest"
-                )
-            if abs(mean - channel.zero) > TARE_OFFSET * channel.full_scale:
-                raise DeviceError(
-                    f"{self.name} cannot be tared: channel {index + 1} is at {mean:.0f} counts, "
-                    f"more than {TARE_OFFSET:.0%} of its range from its 'zero'; take the load off, "
-                    "or write 'tare: false'"
-                )
-        self._zeros = tuple(sum(values) / len(values) for values in columns)
+        self._zeros = tared(self.name, self.file.channels, rows)
 
     def _next(self) -> tuple[int, ...] | None:
         """One exchange outside the loop."""

@@ -11,11 +11,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import ceil, pi
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar
 
-from pydantic import Field, model_validator
-
-from cosim.base.document.form import Form, QuantityIn, problem
 from cosim.base.errors import InputError
 from hil.device.contract import ZERO, BusUse, Received, Sample, Watchdog
 from hil.device.driver import Driver
@@ -23,15 +20,14 @@ from hil.device.errors import BoardError, DeviceError
 from hil.drivers.halves import send_each
 from hil.drivers.odrive import protocol as wire
 from hil.drivers.odrive.protocol import OdriveCommand, identifier
+from hil.drivers.odrive.settings import OdriveOptions, OdriveSettings
 from hil.drivers.samples import sample_of_turns
 from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
-from hil.setup.driver_facts import DriverSettings
-from hil.setup.options import IntegersIn, read_options
+from hil.setup.options import read_options
 from hil.wire.can_bus import CanBus, open_bus
-from hil.wire.can_options import CanOptions
 from hil.wire.ownership import OwnedNodes
 
 FRAMES = (8, 4, 8, 4)
@@ -40,67 +36,6 @@ LONGEST_SILENCE = 0.030
 """An axis that has sent no heartbeat for so long (s) is lost; they come every 10 ms."""
 WAIT_TICKS = 400
 """Exchanges within which an axis has to answer during set-up."""
-
-Endpoint = Annotated[
-    int, QuantityIn(unit="1", what="endpoint number", least=0, most=65535, whole=True)
-]
-
-
-class OdriveOptions(CanOptions):
-    """Options in an ODrive's URL."""
-
-    nodes: Annotated[
-        tuple[int, ...],
-        IntegersIn(least=0, most=63, what="two different node numbers of 0 to 63, such as 0,1"),
-    ] = Field(default=(0, 1), description="Node numbers of the two axes.")
-
-
-class OdriveWatchdog(Form):
-    """The axes' watchdog, off in a new ODrive."""
-
-    timeout: (
-        Annotated[
-            float,
-            QuantityIn(unit="s", what="time, such as 0.02 or '20 ms'", above=0, most=60),
-        ]
-        | None
-    ) = Field(default=None, description="Silence until it fires (s); off unless it is given.")
-    timeout_endpoint: Endpoint | None = Field(
-        default=None, description="Endpoint of `axis.config.watchdog_timeout`."
-    )
-    enable_endpoint: Endpoint | None = Field(
-        default=None, description="Endpoint of `axis.config.enable_watchdog`."
-    )
-
-    @model_validator(mode="after")
-    def _has_a_timeout(self) -> OdriveWatchdog:
-        for name in ("timeout_endpoint", "enable_endpoint"):
-            if self.timeout is None and getattr(self, name) is not None:
-                raise problem(f"'{name}' is written with a 'timeout' only; give one (s).")
-        return self
-
-
-class OdriveSettings(DriverSettings):
-    """``settings`` in an ODrive's device file."""
-
-    current_limit: Annotated[
-        float, QuantityIn(unit="A", what="current, such as 10", above=0, most=1000)
-    ] = Field(default=10.0, description="Largest motor current (A).")
-    firmware: Literal["0.5", "0.6"] = Field(
-        default="0.6", description="The board's firmware, in quotes."
-    )
-    watchdog: OdriveWatchdog = Field(default=OdriveWatchdog(), description="The axes' watchdog.")
-
-    @model_validator(mode="after")
-    def _has_endpoints(self) -> OdriveSettings:
-        watchdog = self.watchdog
-        given = watchdog.timeout_endpoint is not None or watchdog.enable_endpoint is not None
-        if self.firmware == "0.5" and given:
-            raise problem(
-                "firmware 0.5 has no endpoints on CAN: set its watchdog over USB, and give "
-                "'timeout' alone here."
-            )
-        return self
 
 
 class OdriveDriver(Driver):

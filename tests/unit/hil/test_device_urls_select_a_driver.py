@@ -7,7 +7,7 @@ import pytest
 from cosim.base.errors import InputError
 from cosim.scenario import load
 from hil.drivers.mock.driver import MockDriver
-from hil.drivers.odrive.driver import OdriveOptions
+from hil.drivers.odrive.settings import OdriveOptions
 from hil.setup.address import parse
 from hil.setup.options import check_options, read_options
 from hil.setup.registry import find, names
