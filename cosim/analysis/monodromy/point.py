@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -95,10 +96,12 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
     refuse_what_has_no_theory(scenario)
     if near is not None:
         return _settled(scenario, near.run)
-    with _started(scenario) as simulation:
-        run = _stand(simulation, at)
+    with ExitStack() as until_known:
+        run = _stand(until_known.enter_context(_started(scenario)), at)
         if run is not None and run.is_linear:
-            return _settled(scenario, run)
+            point = Point(run, settle(run), run.tick)
+            until_known.pop_all()
+            return point
     if at is None:
         at = _last_rest(damped(written, scenario).built())
     problems: list[InputError] = []
