@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosim.analysis.chance.delays import HARMLESS
+from cosim.analysis.chance.delays import HARMLESS, link_delays
 from cosim.base.errors import InputError
 from cosim.scenario import Kind, Scenario, ScenarioComponent
 
@@ -16,6 +16,8 @@ _WORD = {
 
 def refuse_what_has_no_theory(scenario: Scenario) -> None:
     """Refuse parts whose state cannot be moved, those that switch, and what is turned on the way.
+
+    So are channels whose packets follow something recorded.
 
     Raises:
         InputError: by name and place.
@@ -34,6 +36,8 @@ def refuse_what_has_no_theory(scenario: Scenario) -> None:
                 "connection out, and set what is in force at the moment that you ask for.",
                 scenario.locate(("connections", number)),
             )
+    for link in chances(scenario):
+        link_delays(scenario, link)
     read = {link.source.component for link in scenario.connections}
     for name, part in scenario.components.items():
         place = scenario.locate(("components", name))

@@ -201,6 +201,14 @@ def test_bursts_with_jitter_and_recorded_delays_are_refused_by_name() -> None:
             own_chance(asked.point())
 
 
+def test_delays_that_alternate_are_refused_before_a_map_is_taken() -> None:
+    with (
+        ask(read("thesis/alternating_delays")) as asked,
+        pytest.raises(InputError, match=r"alternating_delays.yaml:\d+:\d+: lan.forward has trace"),
+    ):
+        asked.point()
+
+
 def test_the_critical_loss_knows_the_jitter() -> None:
     found: list[float] = []
     for sets in ([], ["channels.lan.jitter=1"]):
