@@ -34,9 +34,9 @@ def longest_delay(scenario: Scenario) -> LongestDelay | None:
     """
     try:
         loop = read_loop(scenario)
+        model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
     except InputError:
-        return None
-    model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
+        return None  # a mass of zero, say, which its FMU refuses at its place
     for samples in range(1, FURTHEST + 1):
         timing = replace(loop.timing, delay=PathDelay.each_way(samples))
         if not stability(model, timing).stable:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,10 @@ class InputError(CohapticError, ValueError):
         self.message = message
         self.location = location
         super().__init__(f"{location}: {message}" if location is not None else message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """With its place, between processes too."""
+        return type(self), (self.message, self.location)
 
 
 class InputErrors(InputError):

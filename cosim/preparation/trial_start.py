@@ -14,7 +14,7 @@ import time
 from contextlib import suppress
 from typing import Any, cast
 
-from cosim.base.errors import CohapticError, InputError, InputErrors, Location, RunError
+from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.master.run.simulation import ALL_TOGETHER, Simulation
 
 START_SECONDS = 20.0
@@ -55,8 +55,7 @@ def _rehearse(simulation: Simulation, tell: int) -> None:
             simulation.rehearse(lambda component, what: _send(tell, (component, what)))
         _send(tell, "started")
     except InputError as error:
-        several = error.errors if isinstance(error, InputErrors) else [error]
-        _send(tell, [(each.message, each.location) for each in several])
+        _send(tell, error)
     except CohapticError as error:
         _send(tell, RunError(str(error)))
     except BaseException as error:
@@ -90,11 +89,8 @@ def _conclude(
     simulation: Simulation, messages: list[Any], status: int | None, seconds: float
 ) -> None:
     last = messages[-1] if messages else None
-    if isinstance(last, RunError):
+    if isinstance(last, InputError | RunError):
         raise last
-    if isinstance(last, list):
-        errors = [InputError(*each) for each in cast("list[tuple[str, Location]]", last)]
-        raise errors[0] if len(errors) == 1 else InputErrors(errors)
     if last == "started" and status is not None:
         return
     component, what = cast("tuple[str, str]", last) if last is not None else ALL_TOGETHER

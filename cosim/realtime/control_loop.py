@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any, Protocol
 
-from cosim.base.errors import CohapticError
+from cosim.base.errors import CohapticError, RunError
 from cosim.base.system.grants import prepare_loop
 from cosim.base.system.pulse import FINISHED, RUNNING, Pulse
 from cosim.base.system.supervised import Supervised
@@ -17,7 +17,7 @@ from cosim.master.run.obituary import COMPLETE
 from cosim.master.run.simulation import Simulation
 from cosim.realtime.deadlines import Deadlines
 from cosim.realtime.live import STATUS_TICKS, Feed, StatusWriter
-from cosim.realtime.messages import Begun, LoopReport, Message, Over
+from cosim.realtime.messages import Begun, LoopReport, Message, Over, as_told
 from cosim.realtime.paced_loop import paced
 from cosim.realtime.pacing import Pacer
 from cosim.realtime.relay import RelaySink
@@ -76,7 +76,7 @@ class ControlLoop:
         except CohapticError as error:
             for device in own:
                 device.close()
-            report.error = (error.exit_status, str(error))
+            report.error = as_told(error)
             self._tell(report)
             return error.exit_status
         present = devices()
@@ -89,7 +89,7 @@ class ControlLoop:
             )
         except CohapticError as error:
             status = error.exit_status
-            report.error = (status, str(error))
+            report.error = as_told(error)
             report.outcome = self._simulation.outcome
         except SystemExit as stop:
             status, report.left = 1, str(stop.code)
@@ -104,7 +104,7 @@ class ControlLoop:
         self._tell(report)
         self._simulation.close()  # an FMU that dies of it finds everything told
         if self._simulation.died and report.error is None:
-            status, report.error = 1, (1, f"{self._simulation.died}; {COMPLETE}")
+            status, report.error = 1, RunError(f"{self._simulation.died}; {COMPLETE}")
             self._tell(report)
         self._tell(Over())
         return status

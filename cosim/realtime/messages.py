@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.system.grants import Grant
 from cosim.master.run.simulation import Outcome
 
@@ -23,8 +24,8 @@ class LoopReport:
     """What the loop's process says before it ends."""
 
     outcome: Outcome | None = None
-    error: tuple[int, str] | None = None
-    """Exit status and sentence of what ended it."""
+    error: InputError | RunError | None = None
+    """What ended it; what the user wrote is told with its places."""
     left: str | None = None
     """What a Python component gave to ``sys.exit``, where one did."""
     deadlines: dict[str, Any] = field(default_factory=dict[str, Any])
@@ -34,6 +35,13 @@ class LoopReport:
     latency: dict[str, int] = field(default_factory=dict[str, int])
     """By device: ticks that its measurements are older than the FMU's."""
     facts: Mapping[str, Any] | None = None
+
+
+def as_told(error: CohapticError) -> InputError | RunError:
+    """An error as it passes between processes: any but the user's own as its sentence."""
+    if isinstance(error, InputError):
+        return error
+    return InputError(str(error)) if error.exit_status == 2 else RunError(str(error))
 
 
 @dataclass(frozen=True, slots=True)

@@ -154,7 +154,7 @@ class PacedRun:
         else:
             simulation.outcome = replace(simulation.outcome, ticks=self._reached)
         error = report.error if report is not None else None
-        sentences = [error[1]] if error is not None else self._ended(simulation, killed)
+        sentences = [str(error)] if error is not None else self._ended(simulation, killed)
         unsure = run.unsure()
         for sentence in report.slow if report is not None else ():
             self.say(sentence)
@@ -162,10 +162,9 @@ class PacedRun:
             self.say(f"the recorder was too slow for {self.lost_rows} rows: they are held values")
         if not sentences and not unsure:
             return
-        text = ". ".join([*sentences, *unsure])
-        if error is not None and error[0] == 2 and not unsure:
-            raise InputError(text)
-        raise RunError(text)
+        if isinstance(error, InputError) and not unsure:
+            raise error
+        raise RunError(". ".join([*sentences, *unsure]))
 
     def _ended(self, simulation: Simulation, killed: str | None) -> list[str]:
         """What has to be said of processes that ended; nothing where the loop came to its end."""
@@ -359,7 +358,7 @@ class _Run:
             say(tell, ending)
         except BaseException as error:
             text = f"the supervisor failed: {type(error).__name__}: {error}"
-            say(tell, LoopReport(error=(1, text)))
+            say(tell, LoopReport(error=RunError(text)))
         finally:
             os._exit(0)
 
