@@ -95,7 +95,8 @@ class _Exporter:
         for connection, written in zip(
             scenario.connections, self._written["connections"], strict=True
         ):
-            if {connection.source.component, connection.target.component} & set(scenario.channels):
+            ends = {connection.source.component, connection.target.component}
+            if ends & set(scenario.channels) or self._is_about_ticks(connection):
                 about.append(written)
             else:
                 connections += self._connections(connection, written)
@@ -134,10 +135,17 @@ class _Exporter:
             self._files[source] = content
         self._sources[name] = source
         element = d.Component(name=name, source=source, implementation="CoSimulation")
+        events = participant.interface.events
+        triggered = frozenset[str]() if events is None else events.triggered()
+        counts = frozenset[str]() if events is None else events.clock_names() - triggered
         connectors = [
-            self._connector(variable, fmu.version)
+            self._clock(variable)
+            if variable.name in triggered
+            else self._connector(variable, fmu.version)
             for variable in participant.interface.variables.values()
-            if variable.causality in _SHOWN and variable.type is not VariableType.BINARY
+            if variable.causality in _SHOWN
+            and variable.type is not VariableType.BINARY
+            and variable.name not in counts
         ]
         if connectors:
             element.append(d.Connectors(*connectors))
@@ -154,6 +162,10 @@ class _Exporter:
         annotation = self._own.Component(**{key: _text(value) for key, value in own.items()})
         element.append(d.Annotations(self._annotation(annotation)))
         return element
+
+    def _clock(self, variable: Variable) -> Element:
+        inner = self._c.Clock(intervalVariability="triggered")
+        return self._d.Connector(inner, name=variable.name, kind=_SHOWN[variable.causality])
 
     def _connector(self, variable: Variable, version: int) -> Element:
         kind = variable.type
@@ -225,6 +237,19 @@ class _Exporter:
             if own:
                 found.append(self._d.Annotations(self._annotation(self._own.Connection(**own))))
             yield found
+
+    def _is_about_ticks(self, connection: Connection) -> bool:
+        """Whether a clock meets anything but a clock, as it can only where ticks are counted."""
+        has_clock, all_triggered = False, True
+        for end in (connection.source, connection.target):
+            interface = self._assembly.participants[end.component].interface
+            events = interface.events
+            clocks = frozenset[str]() if events is None else events.clock_names()
+            triggered = frozenset[str]() if events is None else events.triggered()
+            names = {each.variable for each in interface.select(end.path).members.values()}
+            has_clock = has_clock or bool(names & clocks)
+            all_triggered = all_triggered and names <= triggered
+        return has_clock and not all_triggered
 
     def _own_of(self, written: str | dict[str, Any]) -> dict[str, str]:
         """What a connection has besides its ends and its transformation."""

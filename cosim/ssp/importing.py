@@ -81,7 +81,9 @@ class _Importer:
                     place(self.structure.file, element.element),
                 )
             self.components[path] = element
-            self.fmus[path] = read_description(element.source.absolute())
+            description = read_description(element.source.absolute())
+            mode = element.own.get("event_mode")
+            self.fmus[path] = description.in_mode(None if mode is None else _plain(mode))
             self.names[path] = self._name(path)
         for connection in system.connections:
             self._add(connection, system, at)

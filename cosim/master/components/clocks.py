@@ -5,7 +5,7 @@ Sources: FMI 3.0, section 2.2.8 (clocks), section 4.2 (event mode of co-simulati
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -19,6 +19,7 @@ MOST_CLOCKS = 62
 """Of one FMU: a bit each in one of the kernel's words."""
 _VARIABILITIES = ("constant", "fixed", "tunable", "changing", "countdown", "triggered")
 _PERIODIC = ("constant", "fixed", "tunable")
+_TIMES = ("resolution", "intervalCounter", "intervalDecimal", "shiftCounter", "shiftDecimal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +66,10 @@ class EventFacts:
         """What stands for a clock among the FMU's variables."""
         ages = (age_of(clock.name) for clock in self.clocks if clock.has_age)
         return frozenset((*(clock.name for clock in self.clocks), *ages))
+
+    def triggered(self) -> frozenset[str]:
+        """The clocks that the FMU, too, has for others to see or to let tick."""
+        return frozenset(clock.name for clock in self.clocks if clock.variability == "triggered")
 
     def is_event_input(self, variable: Variable) -> bool:
         """Whether an input is set in event mode: when its clock ticks, or when it has changed."""
@@ -113,7 +118,7 @@ def _whole(name: str, causality: Causality, description: str) -> Variable:
 
 
 def read_clocks(root: ET.Element) -> list[dict[str, Any]]:
-    """The clocks of a ``modelDescription.xml`` as plain values."""
+    """The clocks of a ``modelDescription.xml`` as they are written there."""
     names = {
         each.get("valueReference"): each.get("name", "")
         for each in root.iterfind("ModelVariables/*")
@@ -123,40 +128,52 @@ def read_clocks(root: ET.Element) -> list[dict[str, Any]]:
             "name": each.get("name", ""),
             "causality": each.get("causality", "local"),
             "variability": each.get("intervalVariability", ""),
-            "interval": _time(each, "interval"),
-            "shift": _time(each, "shift"),
             "of": tuple(names.get(word, word) for word in each.get("clocks", "").split()),
+            **{name: each.get(name) for name in _TIMES},
         }
         for each in root.iterfind("ModelVariables/Clock")
     ]
 
 
-def clock_facts(plain: dict[str, Any], taken: Container[str]) -> ClockFacts:
+def clock_facts(written: Mapping[str, Any], taken: Container[str]) -> ClockFacts:
     """A clock of what ``read_clocks`` found; ``taken`` are the names of the FMU's variables.
 
     Raises:
         InputError: its ticks do not follow from what it says.
     """
-    name, variability = plain["name"], plain["variability"]
+    name, variability = written["name"], written["variability"]
     if variability not in _VARIABILITIES:
         raise InputError(
             f"the clock {name} has the intervalVariability '{variability}'; the standard knows "
             f"{', '.join(_VARIABILITIES)}"
         )
-    interval = None if plain["interval"] is None else Fraction(*plain["interval"])
+    interval, shift = (_time(written, what) for what in ("interval", "shift"))
     if variability == "constant" and interval is None:
         raise InputError(f"the clock {name} is constant and has no intervalDecimal")
-    if variability != "triggered" and plain["causality"] != "input":
+    if variability != "triggered" and written["causality"] != "input":
         raise InputError(f"the clock {name} is {variability}, so it has to be an input")
     return ClockFacts(
         name=name,
-        causality=Causality(plain["causality"]),
+        causality=Causality(written["causality"]),
         variability=variability,
         interval=interval if variability in _PERIODIC else None,
-        shift=Fraction(*plain["shift"]) if plain["shift"] is not None else Fraction(0),
-        of=tuple(plain["of"]),
+        shift=Fraction(0) if shift is None else shift,
+        of=tuple(written["of"]),
         has_age=age_of(name) not in taken,
     )
+
+
+def check_membership(clocks: tuple[ClockFacts, ...], clocked: Mapping[str, Iterable[str]]) -> None:
+    """Whether everything that belongs to clocks belongs to some that are there.
+
+    Raises:
+        InputError: a variable, or a clock, names one that is no clock.
+    """
+    known = {clock.name for clock in clocks}
+    for name, of in (*clocked.items(), *((clock.name, clock.of) for clock in clocks)):
+        for other in of:
+            if other not in known:
+                raise InputError(f"{name} belongs to {other}, which is no clock")
 
 
 def check_grid(clock: ClockFacts, step: Fraction) -> None:
@@ -179,10 +196,16 @@ def check_grid(clock: ClockFacts, step: Fraction) -> None:
             )
 
 
-def _time(element: ET.Element, what: str) -> tuple[int, int] | None:
-    """s, as a ratio; the counter and the resolution are exact, where both are there."""
-    counter, resolution = element.get(f"{what}Counter"), element.get("resolution")
-    decimal = element.get(f"{what}Decimal")
-    if counter is not None and resolution is not None and int(resolution):
-        return Fraction(int(counter), int(resolution)).as_integer_ratio()
-    return None if decimal is None else Fraction(decimal).as_integer_ratio()
+def _time(written: Mapping[str, Any], what: str) -> Fraction | None:
+    """s; the counter and the resolution are exact, where both are there."""
+    counter, resolution = written[f"{what}Counter"], written["resolution"]
+    decimal = written[f"{what}Decimal"]
+    try:
+        if counter is not None and resolution is not None and int(resolution):
+            return Fraction(int(counter), int(resolution))
+        return None if decimal is None else Fraction(decimal)
+    except ValueError:
+        said = decimal if counter is None or resolution is None else f"{counter} / {resolution}"
+        raise InputError(
+            f"the clock {written['name']} has the {what} '{said}', which is no time"
+        ) from None

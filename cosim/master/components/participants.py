@@ -218,9 +218,7 @@ def _in_its_mode(
                 f"{written.name}: the FMU {description.path.name} has no event mode (hasEventMode, "
                 "of FMI 3.0); leave 'event_mode' out"
             )
-    if description.has_event_mode and (bool(description.clocks) if wanted is None else wanted):
-        return description.with_events()
-    return description
+    return description.in_mode(wanted)
 
 
 def _check_clocks(
@@ -234,7 +232,7 @@ def _check_clocks(
     for clock in description.events.clocks:
         with problems.at(("components", written.name, "rate")):
             check_grid(clock, step)
-    for name in {*written.start} & description.events.clock_names():
+    for name in sorted(written.start.keys() & description.events.clock_names()):
         with problems.at(("components", written.name, "start", name)):
             raise InputError(f"{written.name}.{name} is a clock's: it has no value to start with")
 

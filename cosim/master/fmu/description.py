@@ -17,7 +17,9 @@ from cosim.base.quantities.quantity import exact
 from cosim.base.quantities.units import BASES, Unit, unit_of
 from cosim.master.components.clocks import (
     MOST_CLOCKS,
+    ClockFacts,
     EventFacts,
+    check_membership,
     clock_facts,
     clock_variables,
     read_clocks,
@@ -100,17 +102,23 @@ class FmuDescription:
             events=self.events,
         )
 
-    def with_events(self) -> FmuDescription:
-        """The same FMU, its event mode in use: clocks and what belongs to them are there.
+    def in_mode(self, wanted: bool | None) -> FmuDescription:
+        """With its event mode in use, where it is wanted; by default where there are clocks.
+
+        Then clocks and what belongs to them are among the variables.
 
         Raises:
             InputError: a clock's ticks do not follow from what it says, or there are too many.
         """
-        clocks = tuple(clock_facts(plain, self.references) for plain in self.clocks)
-        if len(clocks) > MOST_CLOCKS:
+        if not (self.has_event_mode and (bool(self.clocks) if wanted is None else wanted)):
+            return self
+        try:
+            clocks = self._clocks()
+        except InputError as error:
             raise InputError(
-                f"{self.path} has {len(clocks)} clocks; up to {MOST_CLOCKS} are driven"
-            )
+                f"the FMU {self.path.name}: {error.message}; 'event_mode: false' leaves its clocks "
+                "out"
+            ) from None
         clocked = {each.name: each for each in self.at_events}
         variables = {**self.variables, **clocked}
         variables |= {each.name: each for each in clock_variables(clocks)}
@@ -129,6 +137,13 @@ class FmuDescription:
                 may_return=self.varies_step,
             ),
         )
+
+    def _clocks(self) -> tuple[ClockFacts, ...]:
+        clocks = tuple(clock_facts(written, self.references) for written in self.clocks)
+        if len(clocks) > MOST_CLOCKS:
+            raise InputError(f"it has {len(clocks)} clocks; up to {MOST_CLOCKS} are driven")
+        check_membership(clocks, self.clocked)
+        return clocks
 
 
 def parse_description(
@@ -157,9 +172,8 @@ def parse_description(
     relative = _relative(folder / "modelDescription.xml")
     variables: dict[str, Variable] = {}
     texts = _text_starts(folder / "modelDescription.xml", version)
-    clocks = {v.valueReference: v.name for v in description.modelVariables if v.type == "Clock"}
     clocked = {
-        v.name: tuple(clocks[of.valueReference] for of in v.clocks if of.valueReference in clocks)
+        v.name: tuple(of.name for of in v.clocks)
         for v in description.modelVariables
         if v.clocks and v.type != "Clock"
     }
@@ -216,7 +230,7 @@ def parse_description(
         breaks=breaks,
         skipped=skipped,
         has_event_mode=version == 3 and bool(interface.hasEventMode),
-        clocks=read_clocks(ET.parse(folder / "modelDescription.xml").getroot()) if clocks else [],
+        clocks=read_clocks(ET.parse(folder / "modelDescription.xml").getroot()) if skipped else [],
         at_events=tuple(each for each in at_events if not each.type.is_text),
         clocked=clocked,
         at_start=tuple(u.variable.name for u in description.initialUnknowns),

@@ -104,7 +104,7 @@ class EventStructures:
         before = self._layout.before.get((self.interface.component, name))
         return EventAccessStruct(
             operation=operation,
-            clocks=sum(self._bits[clock] for clock in self.facts.clocked.get(name, ())),
+            clocks=self._bits_of(self.facts.clocked.get(name, ())),
             at_start=name in self.facts.at_start,
             before=None if before is None else self._address(before),
         )
@@ -121,10 +121,13 @@ class EventStructures:
             reference=self._references.ctypes.data + 4 * number,
             interval=-1 if clock.interval is None else self._steps(clock.interval),
             shift=self._steps(clock.shift) if clock.interval is not None else -1,
-            of=sum(self._bits.get(name, 0) for name in clock.of),
+            of=self._bits_of(clock.of),
             input=self._address(place) if is_input else None,
             cells=self._address(self._first + 1 + number * CLOCK_CELLS),
         )
+
+    def _bits_of(self, clocks: Iterable[str]) -> int:
+        return sum(self._bits[name] for name in set(clocks))
 
     def _steps(self, time: Fraction) -> int:
         return int(time / self._step)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -21,6 +22,8 @@ from cosim.scenario import Scenario, load
 from cosim.scenario.source.find import bundled_folder, bundled_names
 from cosim.ssp.documents import read_valid
 from cosim.ssp.exporting import to_ssp
+from tests.support.fmus.clocked import clocked_fmu
+from tests.support.master.master_support import scenario_of
 
 FOLDER = bundled_folder()
 WHOLE = [name for name in bundled_names() if not name.startswith(("presets/", "devices/"))]
@@ -137,3 +140,29 @@ def test_the_commands(tmp_path: Path) -> None:
     assert digests[0] == digests[1]
     again = CliRunner().invoke(cli, ["ssp", "import", str(package), "--out", str(scenario)])
     assert isinstance(again.exception, InputError)
+
+
+@pytest.mark.parametrize("mode", [", event_mode: true", ", event_mode: false", ""])
+def test_clocks_tick_as_before_on_the_way_back(tmp_path: Path, mode: str) -> None:
+    path = clocked_fmu(tmp_path)
+    connections = ["a.n -> b.d"]
+    if "false" not in mode:
+        connections += ["a.told -> b.triggered", "a.told.age -> c.d", "a.y -> b.uc"]
+    scenario = scenario_of(
+        tmp_path,
+        "duration: 0.3\nbase_rate: 100\ncomponents:\n"
+        + "".join(f"  {name}: {{fmu: {path}, rate: 100{mode}}}\n" for name in "abc")
+        + f"connections: [{', '.join(connections)}]\n",
+    )
+    file = tmp_path / "clocks.ssp"
+    back = through_ssp(scenario, file)
+    names, expected = rows(scenario)
+    assert ("a.told.age" in names) == ("false" not in mode)
+    found_names, found = rows(back)
+    assert found_names == names
+    assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
+    with zipfile.ZipFile(file) as archive:
+        structure = archive.read("SystemStructure.ssd").decode()
+    shown = re.findall(r'Connector name="([^"]*)" kind="\w+">\s*<ssc:Clock', structure)
+    assert shown == ([] if "false" in mode else ["triggered", "told"] * 3)
+    assert 'Connector name="told.age"' not in structure

@@ -161,6 +161,42 @@ def test_what_does_not_fit_the_grid_is_refused_by_name(
         simulation.run(MemorySink())
 
 
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (
+            clock("c", 10, "constant", intervalDecimal="INF"),
+            "c has the interval 'INF', which is no",
+        ),
+        (
+            clock("c", 10, "fixed", shiftCounter="one", resolution="3"),
+            "c has the shift 'one / 3', which is no time",
+        ),
+        (clock("c", 10, "constant"), "c is constant and has no intervalDecimal"),
+        (clock("c", 10, "sometimes"), "c has the intervalVariability 'sometimes'"),
+        (clock("c", 10, "fixed", causality="local"), "c is fixed, so it has to be an input"),
+        (clock("c", 10, "triggered", clocks="1"), "c belongs to y, which is no clock"),
+        (
+            scalar(3, "u", 2, causality="input", start="0", clocks="1"),
+            "u belongs to y, which is no clock",
+        ),
+        (
+            "".join(clock(f"c{n}", n, "triggered") for n in range(100, 162)),
+            "it has 63 clocks; up to 62 are driven",
+        ),
+    ],
+)
+def test_clocks_that_cannot_be_driven_are_refused_unless_left_out(
+    tmp_path: Path, more: str, said: str
+) -> None:
+    variables = scalar(3, "y", 1, causality="output") + clock("t", 9, "triggered") + more
+    path = foreign_fmu(tmp_path, 3, variables, interface={"hasEventMode": "true"})
+    text = f"duration: 1\ncomponents: {{it: {{fmu: {path}, rate: 10}}}}\n"
+    with pytest.raises(InputError, match=rf":3:\d+: .*{said}.*'event_mode: false' leaves its"):
+        assemble(scenario_of(tmp_path, text))
+    assemble(scenario_of(tmp_path, text.replace("rate", "event_mode: false, rate"))).close()
+
+
 @pytest.mark.parametrize("version", [2, 3])
 def test_event_mode_that_is_not_there_is_refused(tmp_path: Path, version: int) -> None:
     path = foreign_fmu(tmp_path, version, scalar(version, "y", 1, causality="output"))

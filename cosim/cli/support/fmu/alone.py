@@ -93,12 +93,11 @@ def seconds(text: str, option: str) -> Fraction:
 
 def _placed(text: str, name: str, description: FmuDescription) -> str:
     """The same override with the variable's place in the scenario."""
-    variable = description.variables.get(text.partition("=")[0].strip())
-    if variable is None:
-        array = text.partition("=")[0].strip()
-        variable = next(
-            (v for key, v in description.variables.items() if key.startswith(f"{array}[")), None
-        )
+    written = text.partition("=")[0].strip()
+    variables = {**description.variables, **{each.name: each for each in description.at_events}}
+    variable = variables.get(written) or next(
+        (v for key, v in variables.items() if key.startswith(f"{written}[")), None
+    )
     if variable is None:
         return text
     settable = {Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER}
