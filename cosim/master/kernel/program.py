@@ -43,7 +43,7 @@ INITIAL = 0
 
 _FIRST, _EVERY = 1, 2
 _CAREFUL_TICKS = 64
-"""For which every call of a foreign FMU is looked after; see ``kernel.c``."""
+"""For which every call of a foreign FMU is looked after; see ``sources/kernel.c``."""
 _CALLS = {Act.READ: "read", Act.GET: "evaluate", Act.WRITE: "write", Act.STEP: "step"}
 
 

@@ -1,7 +1,8 @@
 """An FMU whose library lives in a process of its own; a ``Binding`` as the others.
 
-The kernel calls over shared memory (``kernel/sources/isolation.c``), Python over a socket. The
-process is a fresh one, not a fork: it must not begin with the libraries that this one has loaded.
+The kernel calls over shared memory (``cosim/master/kernel/sources/isolation.c``), Python over a
+socket. The process is a fresh one, not a fork: it must not begin with the libraries that this one
+has loaded.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from cosim.master.kernel.native import library
 from cosim.master.kernel.structures import FMI2_TYPE_CODES, TYPE_CODES
 
 GONE = 100
-"""The kernel's status for a call whose process has ended (``isolation.c``)."""
+"""The kernel's status for a call whose process has ended (``isolation.h``)."""
 LOOKS = 2000
 """Looks at the shared memory before a side sleeps: some 20 µs, longer than a small FMU's step."""
 _ENDING_SECONDS = 5.0
