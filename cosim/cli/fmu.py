@@ -51,7 +51,7 @@ def list_command(*, as_json: bool) -> None:
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def inspect_command(*, file: str, as_json: bool) -> None:
-    """What FILE, an FMU or the name of one of ours, offers: variables, terminals, platforms."""
+    """What FILE, an FMU or one of ours by name, offers: variables, clocks, terminals, platforms."""
     from cosim.cli.support.fmu.report import describe, to_text
 
     report = describe(_locate(file))

@@ -4,7 +4,7 @@ It shares the reading and the wiring of a scenario with the master, and nothing 
 are pulled (an output asks for the inputs it depends on, an input for its source) instead of being
 pushed in a planned order, one FMI call a variable, and what a channel holds at tick k is written
 down as its definition: of all packets that have arrived by then, the one with the highest number.
-FMUs only.
+FMUs only, and none whose event mode is used.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.component import Causality, VariableType
+from cosim.base.errors import InputError
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Held, PacketFact, Signal, Source, Wire
 from cosim.master.channels.fates import LOST
@@ -69,9 +70,21 @@ class _Model:
 
 
 class ReferenceLoop:
-    """Runs an assembled scenario of FMUs."""
+    """Runs an assembled scenario of FMUs.
+
+    Raises:
+        InputError: a component is no FMU, or is led through event mode.
+    """
 
     def __init__(self, assembly: Assembly) -> None:
+        for name, participant in assembly.participants.items():
+            if participant.fmu is None:
+                raise InputError(f"{name} is no FMU: the reference loop runs FMUs only")
+            if participant.fmu.events is not None:
+                raise InputError(
+                    f"{name} is led through event mode, which the reference loop does not know; "
+                    "write 'event_mode: false'"
+                )
         self.assembly = assembly
         self.wires: dict[tuple[str, str], list[Wire]] = {}
         for wire in assembly.wiring.wires:
@@ -106,7 +119,7 @@ class ReferenceLoop:
             self.first.append([])
         for name, participant in self.assembly.participants.items():
             description = participant.fmu
-            assert description is not None, "the reference loop runs FMUs only"
+            assert description is not None
             module: Any = importlib.import_module(f"fmpy.fmi{description.version}")
             kind = module.FMU2Slave if description.version == 2 else module.FMU3Slave
             fmu = kind(

@@ -9,8 +9,10 @@ import pytest
 
 from cosim.base.errors import InputError, RunError
 from cosim.base.recording import MemorySink
+from cosim.cli.support.fmu.report import describe, to_text
 from cosim.master.run.simulation import assemble
-from tests.support.fmus.clocked import ByHand, clock, clocked_fmu
+from cosim.testing.reference_loop import ReferenceLoop
+from tests.support.fmus.clocked import CLOCKS, ByHand, clock, clocked_fmu
 from tests.support.fmus.foreign import foreign_fmu, scalar
 from tests.support.master.master_support import scenario_of
 from tests.support.master.snapshots import LateSink
@@ -323,3 +325,24 @@ def test_a_text_is_not_carried_in_event_mode(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r":7:\d+: .*that is not carried in event mode"):
         assemble(scenario_of(tmp_path, text))
+
+
+def test_the_reference_loop_refuses_event_mode(tmp_path: Path) -> None:
+    path = clocked_fmu(tmp_path)
+    text = f"duration: 1\ncomponents: {{it: {{fmu: {path}, rate: 100}}}}\n"
+    with (
+        assemble(scenario_of(tmp_path, text)) as simulation,
+        pytest.raises(InputError, match="it is led through event mode"),
+    ):
+        ReferenceLoop(simulation.assembly)
+
+
+def test_inspect_lists_clocks_and_what_belongs_to_them(tmp_path: Path) -> None:
+    report = describe(clocked_fmu(tmp_path))
+    clocks = {each["name"]: each for each in report["clocks"]}
+    assert list(clocks) == list(CLOCKS)
+    assert clocks["periodic"]["variables"] == ["uc", "yc"]
+    assert clocks["told"]["of"] == ["periodic"]
+    shown = to_text(report)
+    assert "periodic  constant, input, interval 0.02 s, has uc, yc" in shown
+    assert "told  triggered, output, belongs to periodic" in shown

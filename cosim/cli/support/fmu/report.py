@@ -49,6 +49,7 @@ def describe(path: Path) -> dict[str, Any]:
         ],
         "step_size": model.defaultExperiment.stepSize if model.defaultExperiment else None,
         "variables": [_variable(each, description) for each in description.variables.values()],
+        "clocks": [_clock(each, description) for each in description.clocks],
         "terminals": {name: dict(members) for name, members in description.terminals.items()},
     }
 
@@ -70,6 +71,14 @@ def _variable(variable: Variable, description: FmuDescription) -> dict[str, Any]
     }
 
 
+def _clock(written: dict[str, Any], description: FmuDescription) -> dict[str, Any]:
+    """One as it is written, and the variables that belong to it."""
+    name = written["name"]
+    about = {key: value for key, value in written.items() if value is not None}
+    members = [each for each, of in description.clocked.items() if name in of]
+    return about | {"of": list(written["of"]), "variables": members}
+
+
 def to_text(report: dict[str, Any]) -> str:
     """The same for reading: a head, then the variables by causality."""
     head = {
@@ -88,10 +97,27 @@ def to_text(report: dict[str, Any]) -> str:
         chosen = [variable for variable in variables if variable["causality"] == causality]
         width = max(len(_label(variable)) for variable in chosen)
         lines += [f"  {_label(each):<{width}}  {_facts(each)}" for each in chosen]
+    if report["clocks"]:
+        lines += ["", "clocks:"]
+        lines += [f"  {each['name']}  {_ticks(each)}" for each in report["clocks"]]
     if report["terminals"]:
         lines += ["", "terminals:"]
         lines += [f"  {name}: {', '.join(of)}" for name, of in report["terminals"].items()]
     return "\n".join(lines)
+
+
+def _ticks(clock: dict[str, Any]) -> str:
+    facts = [clock["variability"], clock["causality"]]
+    for what in ("interval", "shift"):
+        if f"{what}Counter" in clock and "resolution" in clock:
+            facts.append(f"{what} {clock[f'{what}Counter']}/{clock['resolution']} s")
+        elif f"{what}Decimal" in clock:
+            facts.append(f"{what} {clock[f'{what}Decimal']} s")
+    if clock["of"]:
+        facts.append(f"belongs to {', '.join(clock['of'])}")
+    if clock["variables"]:
+        facts.append(f"has {', '.join(clock['variables'])}")
+    return ", ".join(facts)
 
 
 def _label(variable: dict[str, Any]) -> str:
