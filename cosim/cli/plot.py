@@ -16,6 +16,7 @@ from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import refuse_without
 from cosim.cli.support.terminal.complete import runs_and_signals
 from cosim.cli.support.values import PLOTS, OutputFile, Quantity
+from cosim.plot.style import PAGE_FORMAT
 
 if TYPE_CHECKING:
     from cosim.record.reader import Run
@@ -81,7 +82,7 @@ def command(
     with ExitStack() as stack:
         runs, patterns = _sorted(what, stack)
         series = select(runs, patterns)
-        if out is not None and out.suffix.lower() == ".html":
+        if out is not None and out.suffix.lower() == PAGE_FORMAT:
             _refuse_width(width)
         if patterns:
             target = out or runs[0].folder / "plot.png"

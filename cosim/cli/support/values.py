@@ -9,10 +9,12 @@ from typing import Any
 
 import click
 
+from cosim.plot.style import FORMATS as FIGURES
+from cosim.plot.style import PAGE_FORMAT
+
 LONGEST_WATCH = 1e7
 """Seconds, some four months: no watching, waiting or measuring is meant to be longer."""
-FIGURES = (".png", ".svg", ".pdf")
-PLOTS = (*FIGURES, ".html")
+PLOTS = (*FIGURES, PAGE_FORMAT)
 """What signals can be drawn as: pictures, and a page for a browser."""
 
 
