@@ -10,15 +10,17 @@ import pytest
 from tests.browser.conftest import command, shown, until
 from tests.browser.test_people_carry_a_box import place
 from tests.support.machine import timed
+from tests.support.others import others_probe
 
 pytestmark = pytest.mark.browser
 
 MEDIAN, MOST = 25.0, 35.0
 """Milliseconds that half and 99 of 100 events may take."""
 EVENTS = 200
-TOLERATED = 6e-3
-"""What a processor that others use as well may take longer (s)."""
-ATTEMPTS = 3
+TOLERATED = 0.1
+"""Processors that others may take, while a failure counts."""
+ATTEMPTS = 5
+"""Each takes some ten seconds; with three faults among them it has failed."""
 
 
 def test_half_within_25_ms_and_99_of_100_within_35(chromium, tmp_path):
@@ -33,11 +35,13 @@ def test_half_within_25_ms_and_99_of_100_within_35(chromium, tmp_path):
                 for step in range(EVENTS):
                     turn = step / 40
                     page.mouse.move(*place(page, 30 * math.cos(turn), 30 * math.sin(turn)))
-                half, most = page.evaluate("[0.5, 0.99].map((share) => cohaptic.latency(share))")
                 until(page, "!document.getElementById('how').hidden")
+                half, most = page.evaluate("[0.5, 0.99].map((share) => cohaptic.latency(share))")
+                measured = page.evaluate("cohaptic.measured")
                 assert "from the time that the browser" in page.inner_text("#how")
-            figures = f"pointer to picture: median {half:.0f} ms, 99 %: {most:.0f} ms"
+            figures = f"of {measured} events half within {half:.0f} ms, 99 % within {most:.0f} ms"
             print(figures)
+            assert measured > EVENTS / 2, "the page has measured too few of the events"
             return (half, most) if half <= MEDIAN and most <= MOST else figures
 
-        assert timed(attempt, tolerates=TOLERATED, attempts=ATTEMPTS, of_share=True)
+        assert timed(attempt, tolerates=TOLERATED, attempts=ATTEMPTS, probing=others_probe)

@@ -10,7 +10,8 @@ import contextlib
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from typing import TypeVar
+from contextlib import AbstractContextManager
+from typing import Protocol, TypeVar
 
 import pytest
 
@@ -44,31 +45,25 @@ while True:
         worst, at = 0.0, time.monotonic()
 """
 
-_SHARE = """
-import select, sys, time
-sys.stdout.write("ready\\n")
-sys.stdout.flush()
-worst = 0.0
-while True:
-    began, used = time.monotonic(), time.process_time()
-    while time.process_time() - used < 0.002:
-        pass
-    worst = max(worst, time.monotonic() - began - 0.002)
-    if select.select([sys.stdin], [], [], 0.04)[0]:
-        if not sys.stdin.readline():
-            break
-        sys.stdout.write(f"{worst}\\n")
-        sys.stdout.flush()
-        worst = 0.0
-"""
+
+class Probe(Protocol):
+    """Whoever judges the machine, and not what is timed on it."""
+
+    def worst(self) -> float:
+        """What it found since the last question."""
+        ...
+
+    def tell(self, worst: float) -> str:
+        """The same for people."""
+        ...
 
 
 class MachineProbe:
     """A process that wakes a thousand times a second and notes how late it was."""
 
-    def __init__(self, program: str = _PROBE) -> None:
+    def __init__(self) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-I", "-c", program],
+            [sys.executable, "-I", "-c", _PROBE],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -89,15 +84,16 @@ class MachineProbe:
         assert self._process.stdin is not None
         self._process.communicate()
 
+    @staticmethod
+    def tell(worst: float) -> str:
+        """What was found, for people."""
+        return f"a probe beside it was {worst * 1e3:.0f} ms late"
+
 
 @contextlib.contextmanager
-def machine_probe(*, of_share: bool = False) -> Iterator[MachineProbe]:
-    """A probe beside what is timed.
-
-    With ``of_share`` it is of a processor's ordinary share, such as a browser lives on: how much
-    longer than 2 ms the work of 2 ms takes, without any priority.
-    """
-    probe = MachineProbe(_SHARE if of_share else _PROBE)
+def machine_probe() -> Iterator[MachineProbe]:
+    """A probe beside what is timed."""
+    probe = MachineProbe()
     try:
         yield probe
     finally:
@@ -109,18 +105,18 @@ def timed(
     *,
     tolerates: float,
     attempts: int = ATTEMPTS,
-    of_share: bool = False,
+    probing: Callable[[], AbstractContextManager[Probe]] = machine_probe,
 ) -> Result:
     """What the first good attempt gives; an attempt that failed gives a sentence instead.
 
-    ``attempt`` takes its number. A failed one is void where the probe (``machine_probe``, which
-    takes ``of_share``) was later than ``tolerates`` (s) meanwhile; the third that is not void fails
-    the test. A machine that spoiled so many attempts that there never were three leaves the test
-    void, with the probe's figures.
+    ``attempt`` takes its number. A failed one is void where the probe found more than ``tolerates``
+    meanwhile (of ``machine_probe`` seconds); the third that is not void fails the test. A machine
+    that spoiled so many attempts that there never were three leaves the test void, with the probe's
+    figures.
     """
     faults: list[str] = []
     stalls: list[float] = []
-    with machine_probe(of_share=of_share) as probe:
+    with probing() as probe:
         for number in range(attempts):
             probe.worst()
             found = attempt(number)
@@ -133,7 +129,6 @@ def timed(
             faults.append(found)
             if len(faults) == FAULTS:
                 pytest.fail(f"the machine kept time and it failed {FAULTS} times: {faults}")
-    late = ", ".join(f"{stall * 1e3:.0f}" for stall in stalls)
-    limit = f"{tolerates * 1e3:.0f} ms"
+    told = "; ".join(map(probe.tell, stalls))
     others = f"; beside that: {faults}" if faults else ""
-    pytest.skip(f"void: a probe beside it was {late} ms late, more than {limit}{others}")
+    pytest.skip(f"void: {told}; more than {tolerates:g}{others}")

@@ -63,6 +63,7 @@ globalThis.cohaptic = {
   get run() { return run; },
   value: (name) => scene.value(name),
   latency: (share) => latency.at(share),
+  get measured() { return latency.count; },
   get drawing() { return drawing; },
 };
 const hand = new Hand($("scene"), scene, (message) => connection.say(message));
