@@ -30,7 +30,7 @@ def preset(found: Identified, name: str) -> str:
     lines += [f"# The residual is {'' if found.white.is_white else 'NOT '}white.", ""]
     lines += [
         f"device: {device}   # what is not below is this device's: assumed",
-        f"proximal_length: {bar.proximal:.9g}   # m, from the device file",
+        f"proximal_length: {bar.proximal:.9g}   # m, of the device file or the model",
         f"distal_length: {bar.distal:.9g}",
         f"base_distance: {bar.base:.9g}",
     ]

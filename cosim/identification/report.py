@@ -85,7 +85,9 @@ def assumptions(found: Identified) -> list[str]:
     """What the result stands on besides the records."""
     bar = found.described.bar
     lengths = f"links of {bar.proximal * 1e3:g} and {bar.distal * 1e3:g} mm"
-    said = [f"{lengths}, motors {bar.base * 1e3:g} mm apart, as the device file has them"]
+    said = [
+        f"{lengths}, motors {bar.base * 1e3:g} mm apart, as the device file or the model has them"
+    ]
     if found.alike:
         said.append("both sides have the same inertia (--sides apart asks the runs)")
     if found["gain_1"].value is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from math import ceil
 
@@ -52,7 +53,7 @@ rates: {{control: 1024 Hz}}
 
 components:
   {FINGER}:
-    device: {{url: "{self.url}", file: "{self.file}"}}
+    device: {{url: {_quoted(self.url)}, file: {_quoted(self.file)}}}
   {EXCITATION}:
     python: "cosim.identification.excitation.controller:Excitation"
     rate: control
@@ -72,6 +73,11 @@ connections:
   - {FINGER}.joint_angle -> {EXCITATION}.joint_angle
   - {EXCITATION}.motor_torque -> {FINGER}.motor_torque
 """
+
+
+def _quoted(text: str) -> str:
+    """As YAML reads it back, whatever is in it."""
+    return json.dumps(text, ensure_ascii=False)
 
 
 def plan(

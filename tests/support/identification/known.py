@@ -43,11 +43,16 @@ def known(
     gain: tuple[float, float] = (1.0, 1.0),
     counts: int = 48800,
     force: tuple[float, float] | None = None,
+    heavier: float = 0.0,
 ) -> Recording:
-    """A run with a payload (kg), a delay (ticks), offsets (rad), gains and a force (N)."""
+    """A run with a payload (kg), a delay (ticks), offsets (rad), gains and a force (N).
+
+    The second side has ``heavier`` (kg.m2) more inertia than the first.
+    """
     angle, rate, acceleration = motion(seed, seconds)
     values = VALUES.copy()
     values[MASS] += payload
+    values[1] += heavier
     rows = len(angle) // FINE - 12
     # What is held from a tick on is the mean that the motion needs meanwhile.
     acting = np.arange(rows) * FINE + round(delay * FINE) + FINE // 2

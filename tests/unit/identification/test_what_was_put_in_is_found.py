@@ -68,6 +68,16 @@ def test_a_wrong_mass_breaks_gain_and_inertia(pair):
     assert error(wrong, "home_11", HOME_INERTIA[0, 0]) > INERTIA * HOME_INERTIA[0, 0]
 
 
+def test_sides_that_differ_are_told_where_the_runs_are_asked():
+    heavier = 20e-6
+    run = known(heavier=heavier)
+    apart = found_in(run, alike=False)
+    for name, value in (("J_1", VALUES[0]), ("J_2", VALUES[1] + heavier)):
+        assert apart[name].low <= value <= apart[name].high
+    with pytest.raises(InputError, match="no delay, offset, gain and inertia explain"):
+        found_in(run)
+
+
 def test_friction_that_is_ignored_breaks_latency_and_whiteness(pair):
     wrong = found_in(*pair, friction=False)
     assert error(wrong, "latency", 1.5 * TICK) > LATENCY
