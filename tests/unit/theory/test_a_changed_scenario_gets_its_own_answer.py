@@ -120,6 +120,7 @@ def spectrum(name: str, sets: list[str]) -> tuple[np.ndarray, int]:
         return values[np.abs(values) > 1e-3], point.run.hyperperiod
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("batch", range(20))
 def test_a_mutated_run_obeys_the_polynomial_of_its_own_map(batch: int) -> None:
     generator = np.random.default_rng(100 + batch)
