@@ -110,7 +110,7 @@ ENDINGS = {
     "the loop's group killed": Ending(groups(loop), FREED),
     "supervisor and loop killed": Ending(kill(supervisor, loop), FREED),
     "command and loop killed": Ending(kill(command, loop), FREED, alive=False),
-    "loop stopped": Ending(kill(loop, how=signal.SIGSTOP), 0.06),
+    "loop stopped": Ending(kill(loop, how=signal.SIGSTOP), FREED + 0.01),
     "supervisor stopped": Ending(kill(supervisor, how=signal.SIGSTOP), 0.35),
     "supervisor stopped, loop killed": Ending(stop_then_kill_the_loop, 0.15),
     "supervisor and loop stopped": Ending(kill(supervisor, loop, how=signal.SIGSTOP), 1.3),
