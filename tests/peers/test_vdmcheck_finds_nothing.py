@@ -48,7 +48,7 @@ def test_no_rule_is_broken(name: str, flavour: str, check: VdmCheck) -> None:
 @pytest.mark.parametrize(
     ("flavour", "old", "new"),
     [
-        ("fmi2", r'causality="output" variability="continuous"', 'causality="output"'),
+        ("fmi2", r'causality="output" (variability="continuous")', r'causality="parameter" \1'),
         ("fmi3", r'<Output valueReference="\d+"', '<Output valueReference="9999"'),
         ("fmi3", r'(<Annotation type="[^"]*">)', r"\1text"),
     ],
