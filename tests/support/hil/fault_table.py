@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from tests.support.guide.written import between, write_between
+
 PAGE = Path(__file__).parents[3] / "docs" / "safety.md"
 BEGIN, END = "<!-- fault table: written by the tests -->", "<!-- end of fault table -->"
 
@@ -14,8 +16,7 @@ Table = dict[str, dict[str, str]]
 
 def read() -> Table:
     """The table as it stands on the page."""
-    _, rest = PAGE.read_text("utf-8").split(BEGIN)
-    lines = rest.split(END)[0].strip().splitlines()
+    lines = between(PAGE, BEGIN, END).strip().splitlines()
     (_, *drivers), _, *rows = ([c.strip() for c in line.strip("|").split("|")] for line in lines)
     return {fault: dict(zip(drivers, cells, strict=True)) for fault, *cells in rows}
 
@@ -43,6 +44,4 @@ def _write(table: Table) -> None:
             for fault, row in table.items()
         ),
     ]
-    head, rest = PAGE.read_text("utf-8").split(BEGIN)
-    tail = rest.split(END)[1]
-    PAGE.write_text(head + BEGIN + "\n\n" + "\n".join(lines) + "\n\n" + END + tail, "utf-8")
+    write_between(PAGE, BEGIN, END, "\n".join(lines))
