@@ -53,8 +53,11 @@ def draw(found: Identified, out: Path) -> None:
             "correlation of the residual",
             (
                 *(Line(f"joint {i + 1}", white.lags, white.correlations[i]) for i in (0, 1)),
-                Line("95 % of chance", white.lags, bound),
-                Line("", white.lags, -bound),
+                Line(
+                    "95 % of chance",
+                    np.r_[white.lags, np.nan, white.lags],
+                    np.r_[bound, np.nan, -bound],
+                ),
             ),
             form="line",
         )

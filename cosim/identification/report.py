@@ -126,6 +126,8 @@ def _table(estimates: Sequence[Estimate], tick: float) -> list[str]:
             value = f"{number(each.value * factor, (each.high - each.low) * factor)} {unit}"
             if each.name == "latency":
                 value += f" ({each.value / tick:.2f} ticks)"
+        elif interval:
+            interval += f" {unit}"
         words = each.description
         if each.reason:
             words += f": not identifiable from these runs, {each.reason}"

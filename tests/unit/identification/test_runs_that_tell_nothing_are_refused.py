@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cosim.base.errors import InputError
+from cosim.identification.report import lines
 from cosim.identification.results import identify
 from tests.support.identification.known import DEVICE, changed, known
 
@@ -72,3 +73,9 @@ def test_a_gap_in_the_clock_is_no_motion(run):
     assert told(changed(run, ticks=ticks), steps=[2]).counts.gaps == 0
     with pytest.raises(InputError, match="can be used"):
         told(changed(run, ticks=ticks), steps=[1])
+
+
+def test_an_interval_without_a_value_has_its_unit(run):
+    rows = [row for row in lines(told(run)) if row.startswith("viscous_")]
+    assert len(rows) == 2
+    assert all("–" in row and "uN.m.s/rad" in row for row in rows)
