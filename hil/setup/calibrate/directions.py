@@ -10,6 +10,7 @@ from hil.setup.calibrate.turner import Turner
 LEAST_TURN = 0.1
 """A joint that turned less (rad) did not turn on purpose."""
 READS = 8
+"""New samples of which the last one counts."""
 
 
 def directions(device: Device, turner: Turner) -> tuple[int, int]:
@@ -34,9 +35,18 @@ def directions(device: Device, turner: Turner) -> tuple[int, int]:
 
 
 def _angle(device: Device, axis: int) -> float:
-    for tick in range(READS):
-        device.read(tick)
+    """Of the last of some new samples: what is held from before a turn says nothing of it.
+
+    Raises:
+        DeviceError: the device fell silent.
+    """
+    tick = new = 0
+    while True:
+        measured = device.read(tick)
+        new += measured.sample_age == 0
+        if new == READS:
+            return measured.joint_angle[axis]
         device.write(tick, ZERO)
         device.driver.pause()
-    device.raise_fault()
-    return device.read(READS).joint_angle[axis]
+        device.raise_fault()
+        tick += 1
