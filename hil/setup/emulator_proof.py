@@ -12,13 +12,11 @@ from random import SystemRandom
 from typing import TYPE_CHECKING
 
 from hil.device.errors import DeviceError
+from hil.setup.look import newest_angles
 from hil.wire.side_channel import Control
 
 if TYPE_CHECKING:
     from hil.device.device import Device
-    from hil.safety.linkage import Pair
-
-EXCHANGES = 4
 
 
 def doubt(device: Device) -> str | None:
@@ -33,11 +31,11 @@ def doubt(device: Device) -> str | None:
     shift = (random.uniform(0.1, 0.4), random.uniform(-0.4, -0.1))
     try:
         with closing(Control(path)) as control:
-            before = _angles(device)
+            before = newest_angles(device)
             control.ask("shift", by=shift)
-            moved = _angles(device)
+            moved = newest_angles(device)
             control.ask("shift", by=(0.0, 0.0))
-            after = _angles(device)
+            after = newest_angles(device)
     except DeviceError as error:
         return str(error)
     allowed = 3 * max(2 * pi / joint.counts_per_turn for joint in device.file.joints)
@@ -47,12 +45,3 @@ def doubt(device: Device) -> str | None:
         for axis in (0, 1)
     )
     return None if shown else "its angles did not move as the emulator was told to move them"
-
-
-def _angles(device: Device) -> Pair:
-    """Shaft angles after the exchanges that a pipelined protocol needs to show a change."""
-    for tick in range(-EXCHANGES, 0):
-        device.read(tick)
-        device.write(tick, (0.0, 0.0))
-        device.driver.pause()
-    return device.read(0).joint_angle

@@ -1,4 +1,4 @@
-"""``cohaptic device check``: a safe look at a device. It reads; it commands nothing but zero.
+"""A safe look at a device, such as ``cohaptic device check``: it commands nothing but zero.
 
 The user moves the handle and sees the angles; round trips, ages and rate are measured on the way.
 """
@@ -13,6 +13,9 @@ from math import inf
 from hil.device.contract import ZERO
 from hil.device.device import Device
 from hil.safety.linkage import Pair
+
+SAMPLES = 8
+"""New samples of which the last one counts: by then every answer under way has come."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,3 +79,23 @@ def check(device: Device, seconds: float, show: Callable[[Pair, int], None] | No
         highest=highest,
         fault=device.fault_sentence() if device.fault is not None else None,
     )
+
+
+def newest_angles(device: Device) -> Pair:
+    """Joint angles (rad) after some exchanges at zero torque.
+
+    What is held from before says nothing of what has happened since.
+
+    Raises:
+        DeviceError: the device fell silent.
+    """
+    tick = new = 0
+    while True:
+        measured = device.read(tick)
+        new += measured.sample_age == 0
+        if new == SAMPLES:
+            return measured.joint_angle
+        device.write(tick, ZERO)
+        device.driver.pause()
+        device.raise_fault()
+        tick += 1

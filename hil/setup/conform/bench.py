@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hil.device.component import observe_rest
-from hil.device.contract import ZERO, Received
+from hil.device.contract import Received
 from hil.device.device import Device
 from hil.device.driver import Driver
 from hil.device.errors import ActivationRefused
@@ -106,13 +106,3 @@ def silent(driver: Driver, ticks: int) -> list[Received]:
         driver.pause()
         heard.append(driver.receive())
     return heard
-
-
-def angles(device: Device) -> tuple[float, float]:
-    """Joint angles (rad) once every answer under way has come."""
-    for tick in range(8):
-        device.read(tick)
-        device.write(tick, ZERO)
-        device.driver.pause()
-    device.raise_fault()
-    return device.read(8).joint_angle

@@ -5,9 +5,10 @@ from __future__ import annotations
 from math import pi
 
 from hil.setup.calibrate.turner import Turner
-from hil.setup.conform.bench import EXCHANGES, ConformBench, angles, idle
+from hil.setup.conform.bench import EXCHANGES, ConformBench, idle
 from hil.setup.conform.errors import NotConform, NotTried
 from hil.setup.conform.rule import ConformRule
+from hil.setup.look import newest_angles
 
 HAND = 0.3
 """A person turns a joint by an angle that is right within this share."""
@@ -18,9 +19,9 @@ def _angles_have_sign_and_scale(bench: ConformBench) -> None:
     with bench.opened() as device:
         for joint in (0, 1):
             turner.leave(joint)
-            before = angles(device)
+            before = newest_angles(device)
             turner.turn(joint)
-            after = angles(device)
+            after = newest_angles(device)
             turner.let_go()
             moved = [after[axis] - before[axis] for axis in (0, 1)]
             exact = bench.control is not None
