@@ -18,6 +18,9 @@ from hil.wire.side_channel import Control
 if TYPE_CHECKING:
     from hil.device.device import Device
 
+SHOWN = 5
+"""New samples by which a pipelined protocol, too, shows a change."""
+
 
 def doubt(device: Device) -> str | None:
     """Why a configured, inactive device may not be an emulator; ``None`` once it proved to be one.
@@ -31,11 +34,11 @@ def doubt(device: Device) -> str | None:
     shift = (random.uniform(0.1, 0.4), random.uniform(-0.4, -0.1))
     try:
         with closing(Control(path)) as control:
-            before = newest_angles(device)
+            before = newest_angles(device, SHOWN)
             control.ask("shift", by=shift)
-            moved = newest_angles(device)
+            moved = newest_angles(device, SHOWN)
             control.ask("shift", by=(0.0, 0.0))
-            after = newest_angles(device)
+            after = newest_angles(device, SHOWN)
     except DeviceError as error:
         return str(error)
     allowed = 3 * max(2 * pi / joint.counts_per_turn for joint in device.file.joints)

@@ -81,8 +81,8 @@ def check(device: Device, seconds: float, show: Callable[[Pair, int], None] | No
     )
 
 
-def newest_angles(device: Device) -> Pair:
-    """Joint angles (rad) after some exchanges at zero torque.
+def newest_angles(device: Device, samples: int = SAMPLES) -> Pair:
+    """Joint angles (rad) of the last of some new samples, at zero torque.
 
     What is held from before says nothing of what has happened since.
 
@@ -93,7 +93,7 @@ def newest_angles(device: Device) -> Pair:
     while True:
         measured = device.read(tick)
         new += measured.sample_age == 0
-        if new == SAMPLES:
+        if new == samples:
             return measured.joint_angle
         device.write(tick, ZERO)
         device.driver.pause()
