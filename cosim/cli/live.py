@@ -42,10 +42,11 @@ COLUMNS = 60
     "--seconds", type=seconds(zero=True), help="How long to watch. [default: until the run ends]"
 )
 @click.option("--web", is_flag=True, help="Serve a page to watch it in, with its picture.")
+@click.option("--foxglove", is_flag=True, help="Serve it for Foxglove, by its WebSocket protocol.")
 @click.option(
     "--live-at",
     metavar="HOST:PORT",
-    help="Where the page is served. [default: 127.0.0.1, a free port]",
+    help="Where that is served. [default: 127.0.0.1, a free port]",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the newest status and stop.")
 def command(
@@ -55,6 +56,7 @@ def command(
     window: float,
     seconds: float | None,
     web: bool,
+    foxglove: bool,
     live_at: str | None,
     as_json: bool,
 ) -> None:
@@ -62,10 +64,12 @@ def command(
 
     Without RUN, the newest 'cohaptic run --realtime' or 'cohaptic station' of this machine. It
     reads shared memory: the run is not slowed down, and what comes too fast is lost and counted.
-    With --web a page shows it, and the next run after it, until Ctrl-C.
+    With --web a page shows it, and the next run after it, until Ctrl-C; with --foxglove Foxglove.
     """
-    if web:
-        _serve(run, live_at, seconds, plain=not patterns and not as_json)
+    if web or foxglove:
+        if patterns or as_json:
+            raise InputError("--show and --json are for the terminal; the page has its own plots.")
+        _serve(run, live_at, seconds, web=web, foxglove=foxglove)
         return
     if live_at is not None:
         raise InputError("--live-at without --web: there is no page; add --web.")
@@ -84,17 +88,18 @@ def command(
             _tell(watcher, end)
 
 
-def _serve(run: str | None, live_at: str | None, seconds: float | None, *, plain: bool) -> None:
-    """Serve the page until Ctrl-C, or for so long.
+def _serve(
+    run: str | None, live_at: str | None, seconds: float | None, *, web: bool, foxglove: bool
+) -> None:
+    """Serve the page, or for Foxglove, until Ctrl-C, or for so long.
 
     Raises:
-        InputError: it cannot be served there, or something is asked that the page has itself.
+        InputError: it cannot be served there.
     """
     from cosim.cli.support.page import live_page
 
-    if not plain:
-        raise InputError("--show and --json are for the terminal; the page has its own plots.")
-    with live_page(live=True, live_at=live_at, wanted=run), suppress(KeyboardInterrupt):
+    page = live_page(live=web, live_at=live_at, wanted=run, foxglove=foxglove)
+    with page, suppress(KeyboardInterrupt):
         threading.Event().wait(seconds)
 
 

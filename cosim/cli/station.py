@@ -80,6 +80,7 @@ def command(
     wait: float | None,
     realtime: bool,
     live: bool,
+    foxglove: bool,
     live_at: str | None,
     play: bool,
     on_miss: Policy | None,
@@ -146,6 +147,7 @@ def command(
                 live=live or play,
                 live_at=live_at,
                 wanted=str(os.getpid()),
+                foxglove=foxglove,
                 mailboxes={name: box.path for name, box in boxes.items()},
             )
         )

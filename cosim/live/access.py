@@ -4,6 +4,9 @@ A page of somebody else that was led here by a name of its own (DNS rebinding) h
 is not in the list; a page that connects across has a foreign ``Origin``. The token stands in the
 fragment of the printed address, which no browser sends along; the page hands it over as a
 subprotocol of its socket, so that it is in no address, page, cookie or log.
+
+Foxglove takes an address and nothing else, and comes from a page or program of its own: there the
+token stands in the path, and who knows it may come from anywhere.
 """
 
 from __future__ import annotations
@@ -19,8 +22,11 @@ from typing import Protocol
 from cosim.base.errors import InputError
 
 SOCKET = "/socket"
+FOXGLOVE = "/foxglove/"
+"""Followed by the token."""
 PROTOCOL = "cohaptic"
 """The subprotocol that a page asks for, followed by the token."""
+_WRONG_TOKEN = "The token is missing or wrong: open the whole address that cohaptic printed."
 
 
 class Headers(Protocol):
@@ -57,20 +63,24 @@ class Access:
             return Denial(HTTPStatus.METHOD_NOT_ALLOWED, "Only GET is answered.")
         if not _is_one_of(headers.get_all("Host"), self.hosts):
             return Denial(HTTPStatus.FORBIDDEN, "This server does not go by that name.")
+        if path.startswith(FOXGLOVE):
+            known = self._is_token(path.removeprefix(FOXGLOVE))
+            return None if known else Denial(HTTPStatus.FORBIDDEN, _WRONG_TOKEN)
         origin = headers.get_all("Origin")
         if (origin or path == SOCKET) and not _is_one_of(origin, self.origins):
             return Denial(HTTPStatus.FORBIDDEN, "That origin is not this server's page.")
         if path == SOCKET and not self._is_known(headers.get_all("Sec-WebSocket-Protocol")):
-            return Denial(
-                HTTPStatus.FORBIDDEN,
-                "The token is missing or wrong: open the whole address that cohaptic printed.",
-            )
+            return Denial(HTTPStatus.FORBIDDEN, _WRONG_TOKEN)
         return None
 
     def _is_known(self, protocols: Sequence[str]) -> bool:
-        """Whether the token was handed over, in a time that does not depend on it."""
+        """Whether the token was handed over."""
         offered = [each.strip() for value in protocols for each in value.split(",")]
         given = offered[1] if len(offered) == 2 and offered[0] == PROTOCOL else ""
+        return self._is_token(given)
+
+    def _is_token(self, given: str) -> bool:
+        """Whether that is it, in a time that does not depend on it."""
         return hmac.compare_digest(given.encode(), self.token.encode())
 
 

@@ -30,6 +30,7 @@ Cells = NDArray[np.float64]
 class _Group:
     """One record group: its reader, and its newest rows from row ``first`` on."""
 
+    name: str
     reader: Reader
     ring: Ring
     period: int
@@ -47,6 +48,11 @@ class _Group:
             rows = np.concatenate([self.rows, new]) if joined else new
             self.rows = rows[-self.kept :]
             self.first = end - len(self.rows)
+
+    def unseen(self, seen: int | None) -> tuple[int, int]:
+        """Rows that are here for one who has had those before ``seen``; a newcomer: none yet."""
+        end = self.first + len(self.rows)
+        return max(end if seen is None else seen, self.first), end
 
     def values(self, place: int, begin: int) -> Cells:
         """A column from row ``begin`` of ``rows`` on, shape (n,)."""
@@ -105,14 +111,34 @@ class Followed:
         ends = [(g.first + len(g.rows) - 1) * g.period for g in self._groups if len(g.rows)]
         return self.start + max(ends, default=0) / self.rate
 
-    def newest(self) -> list[float | None]:
-        """The newest value of each of ``scene_signals``."""
-        found: list[float | None] = []
+    def at(self) -> dict[str, float]:
+        """The newest value of each of ``scene_signals`` that there is one of."""
+        found: dict[str, float] = {}
         for name in self.scene_signals:
             number, place = self._place[name]
             group = self._groups[number]
-            found.append(_number(group.values(place, -1)[0]) if len(group.rows) else None)
+            if len(group.rows):
+                found[name] = float(group.values(place, -1)[0])
         return found
+
+    def newest(self) -> list[float | None]:
+        """The same in the order of ``scene_signals``, as a page is told it."""
+        at = self.at()
+        return [_number(at[name]) if name in at else None for name in self.scene_signals]
+
+    def groups(self) -> list[tuple[str, list[str], list[bool]]]:
+        """Name of each record group, its signals, and which of them are no integers."""
+        return [(group.name, group.columns, group.floats.tolist()) for group in self._groups]
+
+    def rows_since(self, number: int, seen: dict[int, int]) -> tuple[int, int, Cells]:
+        """Rows of a group that a viewer has not had: the first one's number, ticks a row, cells.
+
+        Shape (n, signals), as the ring has them: integers are bits. ``seen`` is moved on.
+        """
+        group = self._groups[number]
+        begin, end = group.unseen(seen.get(number))
+        seen[number] = end
+        return begin, group.period, group.rows[begin - group.first :]
 
     def since(self, names: list[str], seen: dict[int, int]) -> list[dict[str, Any]]:
         """Rows of these signals that a viewer has not had; ``seen`` is moved on.
@@ -122,8 +148,7 @@ class Followed:
         found: list[dict[str, Any]] = []
         for number, group in enumerate(self._groups):
             wanted = [name for name in names if self._place.get(name, (-1, 0))[0] == number]
-            end = group.first + len(group.rows)
-            begin = max(seen.get(number, end), group.first)
+            begin, end = group.unseen(seen.get(number))
             seen[number] = end
             if not wanted or begin >= end:
                 continue
@@ -145,6 +170,7 @@ class Followed:
         kept = max(2, round(KEPT_SECONDS * self.rate / group["period"]))
         reader = Reader(ring)
         return _Group(
+            group["name"],
             reader,
             ring,
             int(group["period"]),

@@ -33,7 +33,7 @@ class ServerProcess:
     ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
     user) are the shared memory of users whom pages may move, ``panels`` (by station) and
     ``control`` that of ``cohaptic play``, ``knobs`` what its pages may turn, ``theory`` what is
-    known of them.
+    known of them; ``foxglove`` lets viewers in that speak Foxglove's protocol.
     """
 
     def __init__(
@@ -46,6 +46,7 @@ class ServerProcess:
         panels: Mapping[str, Path] | None = None,
         knobs: Sequence[PageKnob] = (),
         theory: Mapping[str, Any] | None = None,
+        foxglove: bool = False,
     ) -> None:
         told = {
             "host": listen[0],
@@ -56,7 +57,10 @@ class ServerProcess:
             "panels": {station: str(path) for station, path in (panels or {}).items()},
             "knobs": [asdict(knob) for knob in knobs],
             "theory": theory,
+            "foxglove": foxglove,
         }
+        self.foxglove_address = ""
+        """What Foxglove connects to, once ``address`` is known and it is let in."""
         self._process = subprocess.Popen(
             [sys.executable, "-m", "cosim.live.process", json.dumps(told)],
             stdin=subprocess.PIPE,
@@ -75,6 +79,7 @@ class ServerProcess:
         said: dict[str, str] = json.loads(line) if line else {"error": "the live page died"}
         if "error" in said:
             raise InputError(said["error"])
+        self.foxglove_address = said["foxglove"]
         return said["address"]
 
     def close(self) -> None:
@@ -113,7 +118,11 @@ def main(told: Mapping[str, Any]) -> None:
         control = None if asked is None else PlayControl.attach(Path(asked))
         seats = Seats(boxes, control, Panels(knobs, rings), told["theory"])
     settings = Serving(
-        host=told["host"], port=told["port"], wanted=told["wanted"], play=seats is not None
+        host=told["host"],
+        port=told["port"],
+        wanted=told["wanted"],
+        play=seats is not None,
+        foxglove=told["foxglove"],
     )
     asyncio.run(_serve(LiveServer(settings, seats)))
 
@@ -128,8 +137,12 @@ async def _serve(server: LiveServer) -> None:
             over.set()
 
     loop.add_reader(0, heard)
+
+    def ready(address: str) -> None:
+        _say({"address": address, "foxglove": server.foxglove_address})
+
     try:
-        await server.serve(lambda address: _say({"address": address}), over)
+        await server.serve(ready, over)
     except InputError as error:
         _say({"error": str(error)})
 

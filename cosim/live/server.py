@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
 from typing import Any, cast
+from urllib.parse import urlsplit
 
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.datastructures import Headers
@@ -24,8 +25,10 @@ from websockets.typing import Subprotocol
 
 from cosim.base.errors import InputError
 from cosim.live import assets
-from cosim.live.access import PROTOCOL, SOCKET, Access, hosts_of
+from cosim.live.access import FOXGLOVE, PROTOCOL, SOCKET, Access, hosts_of
 from cosim.live.followed import Followed
+from cosim.live.foxglove.clients import FoxgloveClients
+from cosim.live.foxglove.protocol import chosen_of
 from cosim.live.seats import Seats
 from cosim.live.viewer import MOST_SIGNALS, Viewer
 
@@ -48,6 +51,8 @@ class Serving:
     wanted: str | None = None
     """The run: its folder, scenario or process; ``None`` takes the newest."""
     play: bool = False
+    foxglove: bool = False
+    """Whether viewers that speak Foxglove's protocol are let in, too."""
 
 
 class LiveServer:
@@ -58,6 +63,7 @@ class LiveServer:
         self._seats = seats
         self._assets = assets.read_assets()
         self._viewers: set[Viewer] = set()
+        self._foxgloves = FoxgloveClients()
         self._run: Followed | None = None
         self._common = ""
         self.access = Access(hosts=frozenset())
@@ -101,6 +107,12 @@ class LiveServer:
         host = min(self.access.hosts, key=lambda name: (name.startswith("localhost"), name))
         return f"http://{host}/#{self.access.token}"
 
+    @property
+    def foxglove_address(self) -> str:
+        """What Foxglove connects to."""
+        page = urlsplit(self.address)
+        return f"ws://{page.netloc}{FOXGLOVE}{page.fragment}"
+
     # --- requests --------------------------------------------------------------------------------
 
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
@@ -110,8 +122,9 @@ class LiveServer:
         if refusal is not None:
             return _answer(refusal.status, "text/plain; charset=utf-8", refusal.sentence.encode())
         host = request.headers["Host"]
-        if request.path == SOCKET:
-            if len(self._viewers) < MOST_VIEWERS:
+        for_foxglove = self._settings.foxglove and request.path.startswith(FOXGLOVE)
+        if request.path == SOCKET or for_foxglove:
+            if len(self._viewers) + len(self._foxgloves) < MOST_VIEWERS:
                 return None
             text = f"{MOST_VIEWERS} pages look on already; close one of them."
             return _answer(HTTPStatus.SERVICE_UNAVAILABLE, "text/plain", text.encode())
@@ -121,6 +134,12 @@ class LiveServer:
         return _answer(HTTPStatus.OK, *found, **assets.headers(host))
 
     async def _connected(self, socket: ServerConnection) -> None:
+        if socket.request is not None and socket.request.path.startswith(FOXGLOVE):
+            await self._foxgloves.serve(socket)
+        else:
+            await self._serve_page(socket)
+
+    async def _serve_page(self, socket: ServerConnection) -> None:
         viewer = Viewer()
         self._viewers.add(viewer)
         if self._seats is not None:
@@ -175,7 +194,7 @@ class LiveServer:
             elif not self._run.running:
                 self._picture()
                 self._end()
-            elif self._viewers:
+            elif self._viewers or self._foxgloves:
                 self._picture()
             due = max(due + (period if self._run else SEARCH_SECONDS), time.monotonic())
             await asyncio.sleep(max(0.0, due - time.monotonic()))
@@ -188,6 +207,7 @@ class LiveServer:
             for viewer in self._viewers:
                 viewer.seen.clear()
                 self._introduce(viewer)
+            self._foxgloves.show(self._run)
 
     def _end(self) -> None:
         assert self._run is not None, "a run that ends was shown"
@@ -195,6 +215,7 @@ class LiveServer:
         self._run = None
         for viewer in self._viewers:
             viewer.tell({"type": "ended"})
+        self._foxgloves.show(None)
 
     def _introduce(self, viewer: Viewer) -> None:
         """Tell a page what it looks at."""
@@ -231,6 +252,7 @@ class LiveServer:
         run = self._run
         assert run is not None, "there is a run to draw"
         run.read()
+        self._foxgloves.offer()
         status = run.status()
         shown = {
             "clock": round(time.monotonic() * 1e3, 3),
@@ -263,9 +285,15 @@ def _finite(value: Any) -> Any:
     return value if not isinstance(value, float) or value - value == 0.0 else None
 
 
-def _protocol(_connection: ServerConnection, _offered: Sequence[Subprotocol]) -> Subprotocol:
-    """What the page asked for; the token beside it is no protocol."""
-    return Subprotocol(PROTOCOL)
+def _protocol(connection: ServerConnection, offered: Sequence[Subprotocol]) -> Subprotocol:
+    """What the page asked for, where the token beside it is no protocol; or one of Foxglove's.
+
+    Raises:
+        NegotiationError: a viewer speaks none of those.
+    """
+    if connection.request is None or not connection.request.path.startswith(FOXGLOVE):
+        return Subprotocol(PROTOCOL)
+    return chosen_of(offered)
 
 
 def _port(server: Server) -> int:

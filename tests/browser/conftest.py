@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import pytest
 
-ADDRESS = re.compile(r"http://\S+")
+ADDRESS = re.compile(r"(http|ws)://\S+")
 
 
 @pytest.fixture(scope="session")
@@ -30,7 +30,7 @@ def chromium():
 
 @contextmanager
 def command(*words: str):
-    """A cohaptic command with a page; its address, and what it has said so far."""
+    """A cohaptic command that serves; the first address, and what it has said so far."""
     process = subprocess.Popen(
         [sys.executable, "-c", "from cosim.cli import main; main()", *words],
         stdout=subprocess.DEVNULL,

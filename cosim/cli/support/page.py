@@ -1,4 +1,4 @@
-"""``--live``: the live page beside a run, served by a process of its own."""
+"""``--live`` and ``--foxglove``: the live page beside a run, served by a process of its own."""
 
 from __future__ import annotations
 
@@ -20,11 +20,14 @@ ANYWHERE = "127.0.0.1:0"
 
 
 def page_options(command: Command) -> Command:
-    """``--live`` and ``--live-at``."""
+    """``--live``, ``--foxglove`` and ``--live-at``."""
     command = click.option(
         "--live-at",
         metavar="HOST:PORT",
-        help="Where the page is served. [default: 127.0.0.1, a free port]",
+        help="Where that is served. [default: 127.0.0.1, a free port]",
+    )(command)
+    command = click.option(
+        "--foxglove", is_flag=True, help="Serve the run for Foxglove, by its WebSocket protocol."
     )(command)
     return click.option("--live", is_flag=True, help="Serve a page to watch the run in.")(command)
 
@@ -35,16 +38,19 @@ def live_page(
     live: bool,
     live_at: str | None,
     wanted: str | None,
+    foxglove: bool = False,
     mailboxes: Mapping[str, Path] | None = None,
 ) -> Generator[None]:
-    """The page of the run that ``wanted`` names, while it goes on; nothing without ``live``.
+    """The page of the run that ``wanted`` names, while it goes on, or what Foxglove connects to.
+
+    Nothing without ``live`` and ``foxglove``.
 
     ``mailboxes`` are those of the users whose hands it may move.
 
     Raises:
         InputError: it cannot be served there, or is asked to be served nowhere.
     """
-    if not live:
+    if not live and not foxglove:
         if live_at is not None:
             raise InputError("--live-at without --live: there is no page; add --live.")
         yield
@@ -54,8 +60,12 @@ def live_page(
     from cosim.live.process import ServerProcess
 
     where = listening(live_at or ANYWHERE)
-    with ServerProcess(where, wanted, mailboxes=mailboxes) as server:
-        say(f"{'play at' if mailboxes else 'live page'}: {server.address()}")
+    with ServerProcess(where, wanted, mailboxes=mailboxes, foxglove=foxglove) as server:
+        page = server.address()
+        if live:
+            say(f"{'play at' if mailboxes else 'live page'}: {page}")
+        if foxglove:
+            say(f"Foxglove connects to: {server.foxglove_address}")
         yield
 
 

@@ -1,26 +1,22 @@
 """A run as MCAP (mcap.dev), the container that robotics tools replay.
 
-Each group is a topic whose messages are one row each, in the ROS 2 encoding: CDR, little-endian,
-every field of eight bytes, so a row is a record of a NumPy array behind the four bytes that name
-the encoding (OMG DDS-RTPS 2.5, section 10.5).
+Each group is a topic whose messages are one row each (``cosim.base.foxglove.rows``).
 """
 
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cosim.record.export.scene_entities import SCHEMA, TOPIC, json_schema, scene_updates
+from cosim.base.foxglove.entities import TOPIC
+from cosim.base.foxglove.rows import CDR_LITTLE_ENDIAN, RowMessage
+from cosim.base.foxglove.schema import NAME, scene_schema
+from cosim.record.export.scene_updates import nanoseconds, scene_updates
 from cosim.record.export.table import Table, needed
 from cosim.record.export.texts import ChangeTable
-from cosim.record.reader import Run
-
-CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-NANOSECONDS = 1_000_000_000
 
 
 def write_mcap(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
@@ -49,33 +45,28 @@ def write_mcap(tables: list[Table], texts: list[ChangeTable], folder: Path) -> l
 
 
 def _write_topic(writer: Any, table: Table) -> None:
-    names = ros_names([signal.name for signal in table.signals])
-    kinds = ["float64" if signal.is_float else "int64" for signal in table.signals]
-    fields = [("tick", "int64"), ("time", "float64"), *zip(names, kinds, strict=True)]
+    signals = table.signals
+    message = RowMessage.of(table.name, [s.name for s in signals], [s.is_float for s in signals])
     schema = writer.register_schema(
-        name=f"cohaptic/msg/{table.name.title().replace('_', '')}",
-        encoding="ros2msg",
-        data="".join(f"{kind} {name}\n" for name, kind in fields).encode(),
+        name=message.schema_name, encoding="ros2msg", data=message.definition.encode()
     )
-    channel = writer.register_channel(
-        topic=f"/{table.name}", message_encoding="cdr", schema_id=schema
-    )
+    channel = writer.register_channel(topic=message.topic, message_encoding="cdr", schema_id=schema)
     writer.add_metadata(
         f"signals/{table.name}",
         {
             name: f"{signal.name} [{signal.unit or '1'}]"
-            for name, signal in zip(names, table.signals, strict=True)
+            for name, signal in zip(message.fields, signals, strict=True)
         },
     )
-    row = np.dtype([(name, "<f8" if kind == "float64" else "<i8") for name, kind in fields])
+    row = message.row
     for first, last in table.pieces():
         ticks = table.ticks(first, last)
         rows = np.empty(last - first, dtype=row)
         rows["tick"], rows["time"] = ticks, table.run.seconds(ticks)
-        for name, signal in zip(names, table.signals, strict=True):
+        for name, signal in zip(message.fields, signals, strict=True):
             rows[name] = table.values(signal, first, last)
         for tick, record in zip(ticks.tolist(), rows, strict=True):
-            at = _nanoseconds(table.run, tick)
+            at = nanoseconds(table.run, tick)
             writer.add_message(
                 channel_id=channel,
                 log_time=at,
@@ -104,7 +95,7 @@ def _write_texts(writer: Any, texts: ChangeTable) -> None:
         topic=f"/{texts.name}", message_encoding="json", schema_id=schema
     )
     for number, (tick, signal, value) in enumerate(texts.rows):
-        at = _nanoseconds(texts.run, tick)
+        at = nanoseconds(texts.run, tick)
         message = {"tick": tick, "signal": signal, "value": value}
         writer.add_message(
             channel_id=channel,
@@ -124,11 +115,11 @@ def _write_scene(writer: Any, tables: list[Table]) -> None:
     channel: int | None = None
     for number, (tick, message) in enumerate(scene_updates(run, names, first, last)):
         if channel is None:
-            schema = writer.register_schema(name=SCHEMA, encoding="jsonschema", data=json_schema())
+            schema = writer.register_schema(name=NAME, encoding="jsonschema", data=scene_schema())
             channel = writer.register_channel(
                 topic=TOPIC, message_encoding="json", schema_id=schema
             )
-        at = _nanoseconds(run, tick)
+        at = nanoseconds(run, tick)
         writer.add_message(
             channel_id=channel,
             log_time=at,
@@ -136,27 +127,3 @@ def _write_scene(writer: Any, tables: list[Table]) -> None:
             data=json.dumps(message, separators=(",", ":")).encode(),
             sequence=number,
         )
-
-
-def _nanoseconds(run: Run, tick: int) -> int:
-    rate = run.base_rate
-    return (tick + run.start_tick) * rate.denominator * NANOSECONDS // rate.numerator
-
-
-def ros_names(names: list[str]) -> list[str]:
-    """Field names of ROS 2: ``vr_a.finger_1.force[2]`` becomes ``vr_a_finger_1_force_2``.
-
-    Lower case, single underscores, a letter first; equal ones end in a number.
-    """
-    found: list[str] = []
-    taken = {"tick", "time"}
-    for name in names:
-        plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
-        plain = plain if plain[:1].isalpha() else f"x_{plain}".rstrip("_")
-        unique, number = plain, 1
-        while unique in taken:
-            number += 1
-            unique = f"{plain}_{number}"
-        taken.add(unique)
-        found.append(unique)
-    return found

@@ -72,7 +72,7 @@ def test_nothing_runs_where_one_cannot_be_read(tmp_path: Path) -> None:
     assert ET.parse(tmp_path / "j.xml").getroot().get("errors") == "1"
 
 
-@pytest.mark.parametrize("option", [("--from", "runs/a@1 s"), ("--live",)])
+@pytest.mark.parametrize("option", [("--from", "runs/a@1 s"), ("--live",), ("--foxglove",)])
 def test_what_is_for_one_is_refused_for_several(option: tuple[str, ...], tmp_path: Path) -> None:
     done = cohaptic("run", *TWO, *SHORT, *option, folder=tmp_path)
     assert done.returncode == 2

@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from scipy.io import loadmat
 
 from cosim.base.errors import InputError
+from cosim.base.foxglove.rows import ros_names
 from cosim.record import open_run
 from cosim.record.export.formats import MATLAB_NAME_LENGTH, export, matlab_names
-from cosim.record.export.mcap import ros_names
 from cosim.record.export.table import Table
 
 

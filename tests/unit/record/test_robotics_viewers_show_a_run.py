@@ -10,12 +10,15 @@ from typing import Any
 
 import pytest
 
+from cosim.base.foxglove.entities import RATE
+from cosim.base.foxglove.rows import ros_names
+from cosim.base.foxglove.schema import NAME
 from cosim.reading import load
 from cosim.record.export.formats import export
-from cosim.record.export.mcap import ros_names
-from cosim.record.export.scene_entities import RATE, SCHEMA, scene_updates
+from cosim.record.export.scene_updates import scene_updates
 from cosim.record.reader import open_run
 from cosim.run import run_scenario
+from tests.support.live.foxglove import judge
 
 LAYOUTS = Path(__file__).parents[3] / "docs" / "layouts"
 
@@ -64,9 +67,10 @@ def test_the_official_reader_gives_the_scene_back(folder: Path, tmp_path: Path) 
         expected = list(scene_updates(run, {*run.signals}, 0, 1000))
     with path.open("rb") as stream:
         found = list(reader.make_reader(stream).iter_messages(topics=["/scene"]))
+    judge(json.loads(found[0][0].data))
     assert len(found) == len(expected)
     for (schema, channel, message), (tick, update) in zip(found, expected, strict=True):
-        assert (schema.name, channel.message_encoding) == (SCHEMA, "json")
+        assert (schema.name, channel.message_encoding) == (NAME, "json")
         assert message.log_time == (tick + 10240) * 10**9 // 1024
         assert json.loads(message.data) == update
 

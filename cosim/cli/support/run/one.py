@@ -39,6 +39,7 @@ class RunOptions:
     report: bool | None = None
     realtime: bool = False
     live: bool = False
+    foxglove: bool = False
     live_at: str | None = None
     on_miss: Policy | None = None
     cpu: int | None = None
@@ -118,7 +119,12 @@ def run_one(
         paced.pacer = DeadlinePacer(tick_seconds=tick, policy=pace.on_miss, sleep=clock_nanosleep())
         paced.console = console
         paced.about = scene_of
-    page = live_page(live=options.live, live_at=options.live_at, wanted=str(os.getpid()))
+    page = live_page(
+        live=options.live,
+        live_at=options.live_at,
+        wanted=str(os.getpid()),
+        foxglove=options.foxglove,
+    )
     with page, _progress(scenario) if paced is None else ended(console) as progress:
         judge = DeviceJudge(realtime=options.realtime, output=options.enable_output)
         if paced is None:
@@ -153,10 +159,11 @@ def _execution(options: RunOptions, say: Callable[[str], None]) -> Execute | Non
     """
     from cosim.continuation import continuation
 
-    if not options.live:
+    if not options.live and not options.foxglove:
         return continuation(say, options.origin, options.snapshots)
     if options.origin is not None or options.snapshots:
-        raise InputError("--live cannot go with --snapshot or --from; leave it out.")
+        asked = "--live" if options.live else "--foxglove"
+        raise InputError(f"{asked} cannot go with --snapshot or --from; leave it out.")
     from functools import partial
 
     from cosim.live.tee import run_watched

@@ -30,7 +30,12 @@ def run_each(
         InputError: an option is for a single one.
     """
     if len(written) > 1:
-        given = {"--from": options.origin, "--live": options.live, "--live-at": options.live_at}
+        given = {
+            "--from": options.origin,
+            "--live": options.live,
+            "--foxglove": options.foxglove,
+            "--live-at": options.live_at,
+        }
         if named := given_of(given):
             raise InputError(f"{' and '.join(named)}: for one scenario; name a single one.")
     scenarios: list[Scenario] = []

@@ -6,21 +6,13 @@ cubes; lengths in m, in the frame ``world``, x and y as in the run and z towards
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cosim.record.reader import Run
-from cosim.record.scene import read_scene, recorded_of
-
 TOPIC = "/scene"
-SCHEMA = "foxglove.SceneUpdate"
 RATE = 32
-"""Scenes a second of model time, as the display of the thesis."""
+"""Scenes a second, as the display of the thesis."""
 METRES_A_NEWTON = 0.02
 LEAST_FORCE = 0.02
 """Newton from which a force has an arrow."""
@@ -31,54 +23,38 @@ WALL = (0.004, 1.0)
 FRAME = "world"
 COLOURS = ((0.0, 0.39, 0.66), (0.72, 0.26, 0.0), (0.0, 0.44, 0.31), (0.54, 0.23, 0.53))
 """Of the users' stations, as on the pages."""
-
-_KINDS = (
+KINDS = (
     *("metadata", "arrows", "cubes", "spheres", "cylinders"),
     *("lines", "triangles", "texts", "models"),
 )
+"""Lists of shapes that an entity has; those that stay empty have to be there, too."""
+WITH_THAT_NAME = 0
+"""``foxglove.SceneEntityDeletionType``: the entity of one id."""
 
 
-def json_schema() -> bytes:
-    """What a reader is told of the messages; viewers know the schema by its name."""
-    parts = {name: {"type": "string"} for name in ("id", "frame_id")}
-    parts |= {kind: {"type": "array"} for kind in _KINDS}
-    entity = {"type": "object", "properties": parts}
-    properties = {
-        "deletions": {"type": "array", "items": {"type": "object"}},
-        "entities": {"type": "array", "items": entity},
-    }
-    return json.dumps({"title": SCHEMA, "type": "object", "properties": properties}).encode()
+class SceneUpdates:
+    """Messages one after the other: what is in one and not in the next is deleted there."""
 
+    def __init__(self, scene: Mapping[str, Any]) -> None:
+        """``scene`` as ``cosim.scene`` describes it."""
+        self._scene = scene
+        self._drawn: set[str] = set()
 
-def scene_updates(
-    run: Run, names: set[str], first: int, last: int
-) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Base ticks ``first`` <= tick < ``last``, ``RATE`` a second, and the scene at each.
+    def message(self, at: Mapping[str, float], nanoseconds: int) -> dict[str, Any] | None:
+        """The scene where the signals have these values; ``None`` where there is nothing.
 
-    Only what ``names`` has the signals of is in it; nothing where the folder holds no scene.
-    """
-    scene = read_scene(run.folder)
-    if scene is None or not names & {*recorded_of(scene, run)}:
-        return
-    step = max(1, round(run.base_rate / RATE))
-    ticks = np.arange(first, last, step, dtype=np.int64)
-    held = {name: _held(run, name, ticks) for name in recorded_of(scene, run) if name in names}
-    for number, tick in enumerate(ticks.tolist()):
-        at = {name: float(values[number]) for name, values in held.items()}
-        if entities := list(_entities(scene, at, _stamp(run, tick))):
-            yield tick, {"deletions": [], "entities": entities}
-
-
-def _held(run: Run, name: str, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
-    signal = run[name]
-    rows = np.minimum(ticks // signal.group.period, signal.group.rows - 1)
-    return signal[int(rows[0]) : int(rows[-1]) + 1].astype(np.float64)[rows - rows[0]]
-
-
-def _stamp(run: Run, tick: int) -> dict[str, int]:
-    rate = run.base_rate
-    since_0 = (tick + run.start_tick) * rate.denominator * 1_000_000_000 // rate.numerator
-    return {"sec": since_0 // 1_000_000_000, "nsec": since_0 % 1_000_000_000}
+        Args:
+            at: values by recorded signal; what is missing or no number is not drawn.
+            nanoseconds: model time.
+        """
+        stamp = {"sec": nanoseconds // 1_000_000_000, "nsec": nanoseconds % 1_000_000_000}
+        entities = list(_entities(self._scene, at, stamp))
+        before, self._drawn = self._drawn, {entity["id"] for entity in entities}
+        gone = [
+            {"timestamp": stamp, "type": WITH_THAT_NAME, "id": name}
+            for name in sorted(before - self._drawn)
+        ]
+        return {"deletions": gone, "entities": entities} if entities or gone else None
 
 
 def _entities(
@@ -88,13 +64,13 @@ def _entities(
     stations = list(dict.fromkeys(thing["station"] for thing in things))
     for box in scene["boxes"]:
         pose = _known(box["pose"], at)
-        if pose is not None:
+        if pose is not None and _is_in_use(box, at):
             colour = _colour(stations.index(box["station"]), 0.6)
             cube = _cube(pose, (box["side"], box["side"], box["side"] / 4), colour)
             yield _entity(f"box {box['name']}", stamp, cubes=[cube])
     for finger in scene["fingers"]:
         place, force = _known(finger["position"], at), _known(finger["force"], at)
-        if place is None:
+        if place is None or not _is_in_use(finger, at):
             continue
         colour = _colour(stations.index(finger["station"]), 1.0)
         ball = {"pose": _pose(*place), "size": _vector(FINGER, FINGER, FINGER), "color": colour}
@@ -109,6 +85,14 @@ def _entities(
         pose = (x, y, math.atan2(up, across))
         cube = _cube(pose, (*WALL, 0.05), {"r": 0.5, "g": 0.5, "b": 0.5, "a": 0.5})
         yield _entity(f"wall {order + 1}", stamp, cubes=[cube])
+
+
+def _is_in_use(thing: Mapping[str, Any], at: Mapping[str, float]) -> bool:
+    """Of two worlds beside each other, whether it is of the one whose torques are passed on."""
+    if "share" not in thing:
+        return True
+    second = at.get(thing["share"], 0.0) >= 0.5
+    return thing["world"] == int(second)
 
 
 def _known(names: Sequence[str] | None, at: Mapping[str, float]) -> list[float] | None:
@@ -141,7 +125,7 @@ def _entity(name: str, stamp: dict[str, int], **shapes: list[Any]) -> dict[str, 
         "id": name,
         "lifetime": {"sec": 0, "nsec": 0},
         "frame_locked": False,
-        **{kind: shapes.get(kind, []) for kind in _KINDS},
+        **{kind: shapes.get(kind, []) for kind in KINDS},
     }
 
 
