@@ -125,6 +125,55 @@ def test_chatter_does_not_bury_the_reason(tmp_path: Path, version: int) -> None:
     assert sentence(tmp_path, version, says).endswith("it said: it is broken")
 
 
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("letter", ["ab", "\u00e9", "\u20ac"])
+def test_a_message_without_an_end_in_sight_is_cut(
+    tmp_path: Path, version: int, letter: str
+) -> None:
+    """A reason that is longer than the log is still a reason, of whole characters."""
+    says = f"""
+        static char text[20001];
+        for (int i = 0; i < 20000; i++)
+            text[i] = "{letter}"[i % (sizeof("{letter}") - 1)];
+        say(m, 3, text);
+    """
+    said = sentence(tmp_path, version, says).partition("it said: ")[2]
+    assert said.endswith(" (\u2026)")
+    text = said.removesuffix(" (\u2026)")
+    assert 500 < len(text) < 2100
+    assert text == (letter * 2000)[: len(text)]
+
+
+def test_what_is_forgotten_is_forgotten_whole(tmp_path: Path) -> None:
+    """Of an older message no half is left, whose first letter would be taken for its status."""
+    says = """
+        char text[] = "1 22 333 4444 55555 666666 7777777";
+        for (int i = 0; i < 5000; i++)
+            say(m, 1, text + i % 7);
+    """
+    with (
+        pytest.raises(CohapticError),
+        assemble(scenario_of(tmp_path, scenario(speaker(tmp_path, 3, says)))) as simulation,
+    ):
+        simulation.run()
+    whole = "1 22 333 4444 55555 666666 7777777"
+    said = simulation.outcome.said["f"]
+    assert {each.text for each in said} == {whole[i:].strip() for i in range(7)}
+    assert {each.status for each in said} == {"warning"}
+
+
+@pytest.mark.parametrize(("status", "graded"), [(99, "9"), (-1, "9"), (5, "pending")])
+@pytest.mark.parametrize("message", ["0", '"x"'])
+def test_no_message_and_no_status_of_the_standard(
+    tmp_path: Path, message: str, status: int, graded: str
+) -> None:
+    says = f'm->log3(m->environment, {status}, "", {message});'
+    with assemble(scenario_of(tmp_path, scenario(speaker(tmp_path, 3, says, 0)))) as simulation:
+        simulation.run()
+    said = {str(each) for each in simulation.outcome.said.get("f", ())}
+    assert said == (set() if message == "0" else {f"{graded}: x (2 times)"})
+
+
 def test_chatter_alone_is_told_shortly(tmp_path: Path) -> None:
     says = 'say(m, 0, "1"); say(m, 0, "2"); say(m, 0, "3"); say(m, 0, "4");'
     assert sentence(tmp_path, 3, says).endswith("it said: 2 / 3 / 4")

@@ -49,25 +49,16 @@ static Outcome set_changed(Kernel *kernel, Instance *instance)
     return OUTCOME_DONE;
 }
 
-/* Inputs of clocks that tick. */
-static Outcome set_clocked(Kernel *kernel, Instance *instance, int64_t active)
+/* Inputs, or outputs, of clocks that tick. */
+static Outcome access_clocked(Kernel *kernel, Instance *instance, int64_t active, bool is_set)
 {
     Events *e = instance->events;
+    const EventAccess *each = is_set ? e->sets : e->gets;
+    const EventAccess *end = each + (is_set ? e->set_count : e->get_count);
     Outcome outcome = OUTCOME_DONE;
-    for (int64_t i = 0; outcome == OUTCOME_DONE && i < e->set_count; i++)
-        if (e->sets[i].clocks & active)
-            outcome = access(kernel, instance, &e->sets[i], true);
-    return outcome;
-}
-
-/* Outputs of clocks that tick. */
-static Outcome get_clocked(Kernel *kernel, Instance *instance, int64_t active)
-{
-    Events *e = instance->events;
-    Outcome outcome = OUTCOME_DONE;
-    for (int64_t i = 0; outcome == OUTCOME_DONE && i < e->get_count; i++)
-        if (e->gets[i].clocks & active)
-            outcome = access(kernel, instance, &e->gets[i], false);
+    for (; outcome == OUTCOME_DONE && each < end; each++)
+        if (each->clocks & active)
+            outcome = access(kernel, instance, each, is_set);
     return outcome;
 }
 
@@ -83,12 +74,12 @@ static Outcome iterate(Kernel *kernel, Instance *instance, Instant now, int64_t 
         if (count == MOST_UPDATES)
             return event_fault(kernel, EVENT_FAULT_NO_END, -1, (double)count);
         if ((outcome = activate_clocks(kernel, instance, active)) != OUTCOME_DONE
-            || (outcome = set_clocked(kernel, instance, active)) != OUTCOME_DONE
+            || (outcome = access_clocked(kernel, instance, active, true)) != OUTCOME_DONE
             || (outcome = ask_clocks(kernel, instance, &active)) != OUTCOME_DONE
-            || (outcome = set_clocked(kernel, instance, active & ~given)) != OUTCOME_DONE)
+            || (outcome = access_clocked(kernel, instance, active & ~given, true)) != OUTCOME_DONE)
             return outcome;
         count_ticks(instance->events, active, now.step + (now.beyond > 0.0));
-        if ((outcome = get_clocked(kernel, instance, active)) != OUTCOME_DONE)
+        if ((outcome = access_clocked(kernel, instance, active, false)) != OUTCOME_DONE)
             return outcome;
         kernel->event_call = EVENT_CALL_UPDATE;
         outcome = judge_call(kernel, instance,

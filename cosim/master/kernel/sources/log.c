@@ -13,11 +13,13 @@ static bool is_locked;
 static char stray_text[2048], stray_grave[2048];
 static Log stray = {stray_text, stray_grave, 2048, 0, 0, 0, 0};
 
-/* A message on its way into one of the two texts of a log. */
+/* A message on its way into one of the two texts of a log. It takes a quarter of the room at most: of
+   a longer one the beginning is kept. */
 typedef struct {
     char *text;
     int64_t capacity;
     int64_t *used;
+    int64_t left; /* characters; below 0 some were left out */
 } Line;
 
 static void lock(void)
@@ -31,20 +33,28 @@ static void unlock(void)
     __atomic_clear(&is_locked, __ATOMIC_RELEASE);
 }
 
+/* Drops the older half, in whole messages. */
+static void make_room(Line *line)
+{
+    int64_t from = line->capacity / 2;
+    while (from < line->capacity && line->text[from - 1] != '\n')
+        from++;
+    for (int64_t i = from; i < line->capacity; i++)
+        line->text[i - from] = line->text[i];
+    *line->used = line->capacity - from;
+}
+
 static void put_raw(Line *line, char c)
 {
-    if (*line->used == line->capacity) {
-        int64_t half = line->capacity / 2;
-        for (int64_t i = half; i < line->capacity; i++)
-            line->text[i - half] = line->text[i];
-        *line->used = line->capacity - half;
-    }
+    if (*line->used == line->capacity)
+        make_room(line);
     line->text[(*line->used)++] = c;
 }
 
 static void put(Line *line, char c)
 {
-    put_raw(line, c == '\n' || c == '\r' ? ' ' : c);
+    if (--line->left >= 0)
+        put_raw(line, c == '\n' || c == '\r' ? ' ' : c);
 }
 
 /* At most `most` characters; what follows them may not be there. */
@@ -52,7 +62,7 @@ static void put_part(Line *line, const char *text, int64_t most)
 {
     if (!text)
         text = "(null)";
-    for (int64_t i = 0; i < most && text[i]; i++)
+    for (int64_t i = 0; i < most && line->left >= 0 && text[i]; i++)
         put(line, text[i]);
 }
 
@@ -246,15 +256,29 @@ static Line begin(const void *environment, int status, Log **found)
     while (log && log != environment)
         log = log->next;
     *found = log = log ? log : &stray;
+    const int64_t most = log->capacity / 4;
     if (status == STATUS_OK)
-        return (Line){log->text, log->capacity, &log->used};
-    Line line = {log->grave, log->capacity, &log->grave_used};
+        return (Line){log->text, log->capacity, &log->used, most};
+    Line line = {log->grave, log->capacity, &log->grave_used, most};
     put(&line, (char)('0' + (status > 0 && status < 10 ? status : 9)));
     return line;
 }
 
+/* A character of several bytes is not left in half. */
+static void show_cut(Line *line)
+{
+    for (int i = 0; i < 3 && (line->text[*line->used - 1] & 0xc0) == 0x80; i++)
+        --*line->used;
+    if (line->text[*line->used - 1] & 0x80)
+        --*line->used;
+    for (const char *c = " (\xe2\x80\xa6)"; *c; c++)
+        put_raw(line, *c);
+}
+
 static void end(Line *line, Log *log)
 {
+    if (line->left < 0)
+        show_cut(line);
     put_raw(line, '\n');
     log->messages++;
     unlock();
