@@ -70,7 +70,7 @@ COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
     "[default: sweeps/<scenario>-<n>]",
 )
 @click.option(
-    "--workers", type=click.IntRange(0, 1024), help="Processes; 0: this one. [default: all]"
+    "--workers", type=click.IntRange(1, 1024), help="Processes. [default: one a processor]"
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Dask's scheduler, as tcp://host:8786.")
 @click.option("--timeout", type=Quantity("s"), help="The longest that one run may take.")

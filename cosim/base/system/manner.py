@@ -9,5 +9,9 @@ def manner(status: int) -> str:
     """What to say of a process that had no reason to end: ``status`` is negative after a signal."""
     if status < 0:
         said = (signal.strsignal(-status) or "").lower()
-        return f"crashed ({signal.Signals(-status).name}: {said})"
+        try:
+            name = signal.Signals(-status).name
+        except ValueError:  # one of real time, or of another system
+            name = f"signal {-status}"
+        return f"crashed ({name}: {said})"
     return f"ended the process (exit status {status})"

@@ -13,6 +13,10 @@ from cosim.scenario import Scenario
 _NOTE_BYTES = 1024
 _HEARD = _NOTE_BYTES - 1
 """The byte that counts interrupts; a note ends before it."""
+SPAN = -(-(_NOTE_BYTES + ctypes.sizeof(KernelStruct)) // mmap.ALLOCATIONGRANULARITY) * (
+    mmap.ALLOCATIONGRANULARITY
+)
+"""Bytes that one takes of a file."""
 _KERNEL_DID = {
     OperationKind.SET: "while its inputs were set",
     OperationKind.SET_FLOAT64: "while its inputs were set",
@@ -40,11 +44,12 @@ AT_EVENTS = {
 class Whereabouts:
     """The kernel's own structure and a note of the call outside of the kernel.
 
-    The memory is shared with processes that are forked after it was made.
+    The memory is shared with processes that are forked after it was made, or with whoever has the
+    same ``number`` of the same ``file`` (an open one of ``SPAN`` bytes for each number).
     """
 
-    def __init__(self) -> None:
-        self._memory = mmap.mmap(-1, _NOTE_BYTES + ctypes.sizeof(KernelStruct))
+    def __init__(self, file: int = -1, number: int = 0) -> None:
+        self._memory = mmap.mmap(file, SPAN, offset=number * SPAN)
         self.kernel: Any = KernelStruct.from_buffer(self._memory, _NOTE_BYTES)
 
     def note(self, component: str, call: str) -> None:
@@ -58,6 +63,10 @@ class Whereabouts:
     def clear(self) -> None:
         """No such call is going on: the kernel's structure says what is."""
         self._memory[0] = 0
+
+    def forget(self) -> None:
+        """Be as new, for another run; the last one's kernel has ended."""
+        self._memory[:] = bytes(SPAN)
 
     def hear(self) -> None:
         """Count an interrupt that the run has heard."""

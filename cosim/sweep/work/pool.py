@@ -7,10 +7,10 @@ was at is tried once more by itself, and what else it was given goes to others.
 from __future__ import annotations
 
 import os
-import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -18,9 +18,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from types import TracebackType
+from typing import IO
 
 from cosim.base.errors import RunError
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.traces import last_words, room_in
+from cosim.sweep.work.variants import Variants
 
 AHEAD = 2
 """Runs that a worker is given at a time: while it answers one it has the next."""
@@ -36,6 +39,8 @@ _NO_START = 3
 class _Worker:
     process: subprocess.Popen[bytes]
     pipe: Connection
+    traces: IO[bytes]
+    """What its runs are doing."""
     given: deque[Task] = field(default_factory=deque[Task])
     began: float = 0.0
     answered: bool = False
@@ -105,6 +110,7 @@ class LocalPool:
         for worker in self._workers:
             worker.pipe.close()  # the worker ends when it finds nobody there
         for worker in self._workers:
+            worker.traces.close()
             try:
                 worker.process.wait(0.0 if worker.given else _ENDED)
             except subprocess.TimeoutExpired:
@@ -150,16 +156,20 @@ class LocalPool:
         status = worker.process.wait()
         lost, *others = worker.given
         self._workers.remove(worker)
+        with worker.traces:
+            why = last_words(
+                worker.traces.fileno(), status, Variants(self._job).scenario(lost.point)
+            )
         if not worker.answered:
             self._stillborn += 1
             if self._stillborn >= _NO_START * self._count:
-                raise RunError(f"The workers of the sweep die at once ({_why(status)}).")
+                raise RunError(f"The workers of the sweep die at once: {why}.")
         again.extend(others)
         self._deaths[lost.number] = self._deaths.get(lost.number, 0) + 1
         if self._deaths[lost.number] < ATTEMPTS:
             alone.append(lost)
         else:
-            message = f"Its process died {ATTEMPTS} times ({_why(status)})."
+            message = f"{why}; it was tried {ATTEMPTS} times."
             yield RunResult(lost.number, lost.key, lost.point, "crashed", message)
         self._workers.append(self._hire())
 
@@ -171,10 +181,13 @@ class LocalPool:
 
     def _hire(self) -> _Worker:
         ours, theirs = socket.socketpair()
+        traces = tempfile.TemporaryFile()  # noqa: SIM115 - closed when the worker is gone
+        room_in(traces.fileno())
         with theirs:
+            passed = [theirs.fileno(), traces.fileno()]
             process = subprocess.Popen(
-                [sys.executable, "-m", "cosim.sweep.work.worker", str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
+                [sys.executable, "-m", "cosim.sweep.work.worker", *map(str, passed)],
+                pass_fds=passed,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,  # Ctrl-C is for this process, which ends them
@@ -183,7 +196,7 @@ class LocalPool:
         pipe = Connection(ours.detach())
         with suppress(OSError):
             pipe.send(self._job)
-        return _Worker(process, pipe)
+        return _Worker(process, pipe, traces)
 
 
 def processors() -> int:
@@ -191,12 +204,3 @@ def processors() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _why(status: int) -> str:
-    if status >= 0:
-        return f"status {status}"
-    try:
-        return f"{signal.Signals(-status).name}"
-    except ValueError:
-        return f"signal {-status}"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import replace
 from types import TracebackType
 
 from cosim.base.errors import CohapticError, InputError
 from cosim.scenario import Scenario
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.traces import Traces
 from cosim.sweep.work.variants import Variants
 from cosim.sweep.work.warm import Warm
 
@@ -19,8 +19,10 @@ WARM = 4
 class PointRunner:
     """Runs the points of a sweep; a context manager that frees every FMU at the end."""
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, traces: Traces | None = None) -> None:
+        """``traces`` are told what each run does."""
         self._job = job
+        self._traces = traces or Traces()
         self._variants = Variants(job)
         self._warm: list[Warm] = []
         self._done = 0
@@ -42,7 +44,7 @@ class PointRunner:
     def close(self) -> None:
         """Free everything."""
         while self._warm:
-            self._warm.pop().close()
+            self._let_go(self._warm.pop())
 
     def __enter__(self) -> PointRunner:
         return self
@@ -62,16 +64,31 @@ class PointRunner:
                 self._warm.insert(0, warm)
                 return warm
         while len(self._warm) >= WARM:
-            self._warm.pop().close()
-        self._warm.insert(0, Warm(self._job, scenario))
+            self._let_go(self._warm.pop())
+        self._warm.insert(0, self._take(scenario))
         return self._warm[0]
+
+    def _take(self, scenario: Scenario) -> Warm:
+        place = self._traces.take()
+        try:
+            return Warm(self._job, scenario, place)
+        except CohapticError:
+            self._traces.give_back(place)
+            raise
+
+    def _let_go(self, warm: Warm) -> None:
+        warm.close()
+        self._traces.give_back(warm.whereabouts)
 
     def _checked(self, task: Task, result: RunResult) -> RunResult:
         """The result, if a run from nothing has the same rows; else what is wrong."""
         rows = self._warm[0].digest()
-        with closing(Warm(self._job, self._variants.anew(task.point))) as cold:
+        cold = self._take(self._variants.anew(task.point))
+        try:
             again = cold.run(task)
             is_equal = cold.digest() == rows and again.measures == result.measures
+        finally:
+            self._let_go(cold)
         if is_equal:
             return replace(result, checked=True)
         return RunResult(

@@ -11,6 +11,7 @@ from cosim.base.recording import MemorySink, RecordGroup
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.variation import with_values
 from cosim.master.run.simulation import assemble
+from cosim.master.run.whereabouts import Whereabouts
 from cosim.record.memory import largest_sizes, run_in_memory
 from cosim.record.playback import KINDS
 from cosim.record.reader import Run
@@ -34,8 +35,10 @@ _OTHER_ORDER = (
 class Warm:
     """Runs scenarios of one plan, one after another."""
 
-    def __init__(self, job: Job, scenario: Scenario) -> None:
-        """Assemble a scenario and be ready to run it.
+    def __init__(
+        self, job: Job, scenario: Scenario, whereabouts: Whereabouts | None = None
+    ) -> None:
+        """Assemble a scenario and be ready to run it; ``whereabouts`` is told what it does.
 
         Where runs begin in the middle, what comes before is of the scenario as it is written: it
         must not depend on which point a worker happens to run first.
@@ -53,8 +56,12 @@ class Warm:
         self._expected: dict[tuple[int, int], tuple[object, list[Expectation]]] = {}
         self._readings: list[tuple[str, Target, str]] = []
         self._simulation = assemble(
-            scenario, kinds=KINDS, only=lambda groups: self._looked_at(scenario, groups)
+            scenario,
+            kinds=KINDS,
+            whereabouts=whereabouts,
+            only=lambda groups: self._looked_at(scenario, groups),
         )
+        self.whereabouts = self._simulation.whereabouts
         self._base = self._next = self._simulation.assembly
         self._sinks: dict[int, MemorySink] = {}
         self._runs: dict[int, Run] = {}

@@ -1,5 +1,6 @@
-"""A worker of a local pool: ``python -m cosim.sweep.work.worker FD``, with a socket to its pool.
+"""A worker of a local pool: ``python -m cosim.sweep.work.worker SOCKET FILE``.
 
+The socket leads to its pool; what its runs are doing is in the file.
 It is sent the job, says ``None`` when it is ready, and from then on gets tasks and answers results.
 """
 
@@ -14,13 +15,14 @@ from typing import Any, NoReturn
 from cosim.base.system.garbage import collect_seldom
 from cosim.sweep.job import RunResult
 from cosim.sweep.work.runner import PointRunner
+from cosim.sweep.work.traces import Traces
 
 
-def main(number: int) -> None:
+def main(number: int, file: int) -> None:
     """Work until nobody is there any more."""
     settle()
     pipe = Connection(number)
-    with PointRunner(_next(pipe)) as runner:
+    with PointRunner(_next(pipe), Traces(file)) as runner:
         _say(pipe, None)
         while True:
             _say(pipe, runner.run(_next(pipe)))
@@ -53,4 +55,4 @@ def _leave() -> NoReturn:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), int(sys.argv[2]))

@@ -23,6 +23,7 @@ from cosim.sweep.planning.plan import Request, SweepPlan, plan_of
 from cosim.sweep.results.store import RESULTS_FILE, read_results
 from cosim.sweep.sweep import SweepOutcome, run_sweep
 from cosim.sweep.work.runner import PointRunner
+from tests.support.fmus.dying import command, dying, sentence
 from tests.support.sweep.parts import SCENARIO
 
 GAINS = 12
@@ -70,11 +71,44 @@ def test_a_crash_costs_one_run(scenario: Path, tmp_path: Path, counted: Path) ->
     assert statuses == {"good": 29, "crashed": 1}
     (crashed,) = outcome.failures
     assert crashed.point == (7, 1)
-    assert "SIGSEGV" in crashed.message
+    assert crashed.message == (
+        "part crashed (SIGSEGV: segmentation fault) in a method of its class at tick 5 "
+        "(0.00488281 s); it was tried 2 times."
+    )
     runs = Counter(line.split()[0] for line in counted.read_text().splitlines())
     assert runs.pop("7.0") == 2
     # What a dying worker had not begun is given to another: nothing is run twice to its end.
     assert set(runs.values()) == {1}
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("call", ["Instantiate", "DoStep"])
+def test_an_fmu_that_ends_its_process_with_0_never_passes(
+    tmp_path: Path, call: str, workers: str
+) -> None:
+    command(tmp_path, dying(tmp_path, 3, call, "exit(0)"))
+    arguments = ["sweep", "test.yaml", "--vary", "hand.mass=0.2,0.3", "--workers", workers]
+    run = "from cosim.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", run, *arguments, "--out", "out", "--no-figure"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1, done.stdout
+    assert f"box ended the process (exit status 0) {sentence(call, 3)[0].partition(';')[0]}" in (
+        done.stdout + done.stderr
+    )
+
+
+def test_a_command_never_runs_in_its_own_process(scenario: Path) -> None:
+    """There an FMU that calls ``exit(0)`` would end it with success."""
+    run = "from cosim.cli import main; main()"
+    arguments = ["sweep", str(scenario), "--vary", "part.gain=1,2", "--workers", "0"]
+    done = subprocess.run([sys.executable, "-c", run, *arguments], capture_output=True, check=False)
+    assert done.returncode == 2
+    assert b"--workers" in done.stderr
 
 
 def test_a_run_without_end_is_ended(scenario: Path, tmp_path: Path) -> None:
