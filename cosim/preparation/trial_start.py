@@ -15,6 +15,7 @@ from contextlib import suppress
 from typing import Any, cast
 
 from cosim.base.errors import CohapticError, InputError, RunError
+from cosim.base.system.manner import manner
 from cosim.master.run.simulation import ALL_TOGETHER, Simulation
 
 START_SECONDS = 20.0
@@ -53,7 +54,7 @@ def _rehearse(simulation: Simulation, tell: int) -> None:
         _send(tell, None)
         with simulation:
             simulation.rehearse(lambda component, what: _send(tell, (component, what)))
-        _send(tell, "started")
+        _send(tell, RunError(simulation.died) if simulation.died else "started")
     except InputError as error:
         _send(tell, error)
     except CohapticError as error:
@@ -94,17 +95,15 @@ def _conclude(
     if last == "started" and status is not None:
         return
     component, what = cast("tuple[str, str]", last) if last is not None else ALL_TOGETHER
+    named, doing = simulation.whereabouts.sentence(simulation.scenario)
+    if named:  # a call of its own is going on, or was
+        component, what = named, doing
     place = simulation.scenario.locate(
         ("components",) if component == ALL_TOGETHER[0] else ("components", component)
     )
     if status is None:
-        raise InputError(f"{component} hangs: {what} has not ended after {seconds:g} s", place)
-    name = (
-        signal.Signals(os.WTERMSIG(status)).name
-        if os.WIFSIGNALED(status)
-        else f"exit status {os.waitstatus_to_exitcode(status)}"
-    )
-    raise InputError(f"{component} ended its process ({name}) while {what}", place)
+        raise InputError(f"{component} hangs {what}: not over after {seconds:g} s", place)
+    raise InputError(f"{component} {manner(os.waitstatus_to_exitcode(status))} {what}", place)
 
 
 def _send(tell: int, message: Any) -> None:
