@@ -26,6 +26,33 @@ POINTS = 256
 Cells = NDArray[np.float64]
 
 
+class _Newest:
+    """The newest rows, behind each other in memory that is filled in place."""
+
+    def __init__(self, kept: int, cells: int) -> None:
+        self._kept = kept
+        self._room = np.empty((2 * kept, cells))
+        self._begin = self._end = 0
+
+    @property
+    def rows(self) -> Cells:
+        """At most ``kept`` of them, shape (n, cells)."""
+        return self._room[self._begin : self._end]
+
+    def clear(self) -> None:
+        self._begin = self._end = 0
+
+    def add(self, new: Cells) -> None:
+        new = new[-self._kept :]
+        if self._end + len(new) > len(self._room):
+            stay = self.rows[max(0, self._end - self._begin + len(new) - self._kept) :].copy()
+            self._room[: len(stay)] = stay
+            self._begin, self._end = 0, len(stay)
+        self._room[self._end : self._end + len(new)] = new
+        self._end += len(new)
+        self._begin = max(self._begin, self._end - self._kept)
+
+
 @dataclass(slots=True)
 class _Group:
     """One record group: its reader, and its newest rows from row ``first`` on."""
@@ -36,18 +63,20 @@ class _Group:
     period: int
     columns: list[str]
     floats: NDArray[np.bool_]
-    kept: int
+    newest: _Newest
     first: int
-    rows: Cells
+
+    @property
+    def rows(self) -> Cells:
+        return self.newest.rows
 
     def read(self) -> None:
         new = self.reader.read()
         end = self.reader.position
-        if len(new):
-            joined = self.first + len(self.rows) == end - len(new)
-            rows = np.concatenate([self.rows, new]) if joined else new
-            self.rows = rows[-self.kept :]
-            self.first = end - len(self.rows)
+        if self.first + len(self.rows) != end - len(new):
+            self.newest.clear()
+        self.newest.add(new)
+        self.first = end - len(self.rows)
 
     def unseen(self, seen: int | None) -> tuple[int, int]:
         """Rows that are here for one who has had those before ``seen``; a newcomer: none yet."""
@@ -77,6 +106,7 @@ class Followed:
             for place, name in enumerate(group.columns)
         }
         self.scene_signals = [name for name in signals_of(self.scene) if name in self._place]
+        self._drawn = [self._drawn_of(number) for number in range(len(self._groups))]
 
     @classmethod
     def find(cls, wanted: str | None) -> Followed | None:
@@ -114,11 +144,12 @@ class Followed:
     def at(self) -> dict[str, float]:
         """The newest value of each of ``scene_signals`` that there is one of."""
         found: dict[str, float] = {}
-        for name in self.scene_signals:
-            number, place = self._place[name]
-            group = self._groups[number]
+        for group, names, places in self._drawn:
             if len(group.rows):
-                found[name] = float(group.values(place, -1)[0])
+                cells = group.rows[-1, places]
+                whole = cells.view(np.int64).astype(np.float64)
+                values = np.where(group.floats[places], cells, whole)
+                found.update(zip(names, values.tolist(), strict=True))
         return found
 
     def newest(self) -> list[float | None]:
@@ -164,6 +195,11 @@ class Followed:
             group.reader.close()
         self._watcher.__exit__()
 
+    def _drawn_of(self, number: int) -> tuple[_Group, list[str], list[int]]:
+        """A group, and those of its signals that the scene has, with their places."""
+        names = [name for name in self.scene_signals if self._place[name][0] == number]
+        return self._groups[number], names, [self._place[name][1] for name in names]
+
     def _open(self, group: dict[str, Any]) -> _Group:
         ring = Ring(Path(group["ring"]), read_only=True)
         columns = group["columns"]
@@ -176,9 +212,8 @@ class Followed:
             int(group["period"]),
             [column[0] for column in columns],
             np.array([bool(column[2]) for column in columns]),
-            kept,
+            _Newest(kept, ring.cells),
             reader.position,
-            np.empty((0, ring.cells)),
         )
 
 

@@ -7,6 +7,7 @@ the others do, in their own place: a partner who helps.
 
 from __future__ import annotations
 
+import asyncio
 import math
 import time
 from collections import deque
@@ -61,6 +62,8 @@ class Seats:
         self.theory = theory
         """What is known of the run at its knobs' values, for the page."""
         self._control = control
+        self.moved = asyncio.Event()
+        """A hand has moved, and its effect is not drawn yet."""
         self._held: dict[str, Viewer] = {}
         self._clocks: dict[str, _Clock] = {}
         self._middles: dict[str, list[float]] = {}
@@ -137,6 +140,9 @@ class Seats:
             return
         if max(abs(value) for value in values[1:]) > FARTHEST:
             return
+        last = self._mailboxes[user].newest()
+        if last is None or last[2:] != values[1:]:
+            self.moved.set()
         when = self._clocks[user].ours(values[0] * 1e-3)
         number = self._mailboxes[user].post(when, values[1:], present=True)
         self._times[user].append((number, values[0]))

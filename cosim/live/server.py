@@ -35,6 +35,8 @@ from cosim.live.viewer import MOST_SIGNALS, Viewer
 WATCH_RATE = 32.0
 """Frames a second where nobody touches anything; the display rate of the thesis."""
 PLAY_RATE = 120.0
+USED_TICKS = 2.0
+"""Until a tick has used a pointer's sample, and its row is there."""
 LARGEST_MESSAGE = 4096
 """Of a page (bytes)."""
 MOST_VIEWERS = 16
@@ -197,7 +199,22 @@ class LiveServer:
             elif self._viewers or self._foxgloves:
                 self._picture()
             due = max(due + (period if self._run else SEARCH_SECONDS), time.monotonic())
+            if await self._rest_until(due):
+                due = time.monotonic()
+
+    async def _rest_until(self, due: float) -> bool:
+        """Whether a hand was moved meanwhile, and a tick has had the time to use it."""
+        if self._seats is None or self._run is None:
             await asyncio.sleep(max(0.0, due - time.monotonic()))
+            return False
+        with suppress(TimeoutError):
+            async with asyncio.timeout_at(due):
+                await self._seats.moved.wait()
+        if not self._seats.moved.is_set():
+            return False
+        self._seats.moved.clear()
+        await asyncio.sleep(USED_TICKS / self._run.rate)
+        return True
 
     def _look(self) -> None:
         self._run = Followed.find(self._settings.wanted)

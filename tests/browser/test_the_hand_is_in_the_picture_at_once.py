@@ -14,8 +14,8 @@ from tests.support.others import others_probe
 
 pytestmark = pytest.mark.browser
 
-MEDIAN, MOST = 60.0, 150.0
-"""Milliseconds that half and 99 of 100 events may take on two processors; the aim is 25 and 35."""
+MEDIAN, MOST = 25.0, 35.0
+"""Milliseconds that half and 99 of 100 events may take on two processors."""
 EVENTS = 200
 TOLERATED = 0.1
 """Processors that others may take, while a failure counts."""
@@ -23,7 +23,7 @@ ATTEMPTS = 5
 """Each takes some ten seconds; with three faults among them it has failed."""
 
 
-def test_half_within_60_ms_and_99_of_100_within_150(chromium, tmp_path):
+def test_half_within_25_ms_and_99_of_100_within_35(chromium, tmp_path):
     words = ("play", "--no-browser", "--out", str(tmp_path / "take"))
     with command(*words) as (address, _):
 

@@ -12,7 +12,7 @@ import { drawMap, modesAt, radiusAt } from "/theory.js";
 
 const $ = (id) => document.getElementById(id);
 const PLOT_MS = 50;
-const PLOT_SHARE = 5; // plots take a fifth of the time at most
+const PLOT_SHARE = 4; // plots take a quarter of the time at most
 const READOUT_MS = 250;
 const DRAW_MS = 6;
 const RIPPLE_SECONDS = 1;
@@ -30,6 +30,7 @@ let newest = null;
 let dirty = false;
 let drawn = 0;
 let drawing = 0; // ms that a picture takes
+let shownSample = 0;
 let ages = new Quantiles();
 let chosen = null;
 let chosenNames = [];
@@ -51,8 +52,10 @@ const connection = new Connection(location.hash.slice(1), {
     ages.add(frame.age);
     scene.take(frame.time, frame.values);
     dirty = true;
-    // Not before the frame's turn where drawing takes long: messages would wait behind it.
-    if (performance.now() - drawn >= Math.max(DRAW_MS, 2 * drawing) && !document.hidden) draw();
+    // Not before the frame's turn where drawing takes long: messages would wait behind it. What the
+    // pointer did is drawn sooner.
+    const least = Math.max(showsMore() ? 0 : DRAW_MS, 2 * drawing);
+    if (performance.now() - drawn >= least && !document.hidden) draw();
   },
 });
 // For whoever measures on the page; nothing here reads it.
@@ -253,30 +256,38 @@ function draw() {
   measureLatency();
 }
 
+/** The number of the pointer's sample that the newest tick has used. */
+function usedSample() {
+  const pointer = run?.scene.pointers.find((each) => each.station === seats?.user);
+  return pointer ? scene.value(pointer.count) : null;
+}
+
+const showsMore = () => usedSample() > shownSample;
+
 /** A pointer's event is seen in the first picture whose tick has used its sample. */
 function measureLatency() {
   const mine = newest.seen?.[seats?.user];
-  const pointer = run?.scene.pointers.find((each) => each.station === seats?.user);
-  const used = pointer ? scene.value(pointer.count) : null;
+  const used = usedSample();
+  shownSample = used ?? 0;
   for (const [number, time] of mine ?? []) {
     if (number <= used && hand.events.delete(time)) latency.add(drawn - time);
   }
 }
 
-let plotted = 0;
-let plotEvery = PLOT_MS;
+let plotNext = 0;
 let read = 0;
 function frame(now) {
   hand.frame();
   if (dirty || (scene.hand && now - drawn > DRAW_MS)) draw();
-  if (newest && now - plotted >= plotEvery) {
-    plotted = now;
-    plots.draw(newest.time);
-    plotEvery = Math.max(PLOT_MS, PLOT_SHARE * (performance.now() - now));
-  }
+  // One thing a frame: whatever comes in meanwhile waits.
   if (newest && now - read >= READOUT_MS) {
     read = now;
     readouts();
+  } else if (newest && now >= plotNext) {
+    const began = performance.now();
+    plots.drawNext(newest.time);
+    const took = performance.now() - began;
+    plotNext = now + Math.max(PLOT_MS / Math.max(1, plots.count), PLOT_SHARE * took);
   }
   requestAnimationFrame(frame);
 }

@@ -12,6 +12,7 @@ export class Plots {
   #store;
   #plots = [];
   #held = false;
+  #turn = 0;
   seconds = 5;
   onHold = () => {};
 
@@ -67,25 +68,30 @@ export class Plots {
     this.onHold(held);
   }
 
-  draw(time) {
-    if (this.#held || document.hidden) return;
+  get count() {
+    return this.#plots.length;
+  }
+
+  /** Draw one plot, each in its turn. */
+  drawNext(time) {
+    if (this.#held || document.hidden || !this.#plots.length) return;
+    this.#turn = (this.#turn + 1) % this.#plots.length;
+    const { plot, lines, combine } = this.#plots[this.#turn];
     const start = time - this.seconds;
-    for (const { plot, lines, combine } of this.#plots) {
-      const names = [...new Set(lines.flatMap((line) => line.names))];
-      const found = this.#store.since(names, start);
-      if (!found) continue;
-      const columns = new Map(names.map((name, index) => [name, found[index + 1]]));
-      const drawn = lines.map((line) => {
-        const parts = line.names.map((name) => columns.get(name));
-        if (line.whole) return line.whole(parts);
-        return parts.length === 1 && !line.combine ? parts[0] : found[0].map((_, row) => (line.combine ?? combine)(parts.map((part) => part[row])));
-      });
-      plot.setData([found[0], ...drawn], false);
-      plot.batch(() => {
-        plot.setScale("x", { min: start, max: Math.max(time, start + 0.1) });
-        plot.setScale("y", range(drawn));
-      });
-    }
+    const names = [...new Set(lines.flatMap((line) => line.names))];
+    const found = this.#store.since(names, start);
+    if (!found) return;
+    const columns = new Map(names.map((name, index) => [name, found[index + 1]]));
+    const drawn = lines.map((line) => {
+      const parts = line.names.map((name) => columns.get(name));
+      if (line.whole) return line.whole(parts);
+      return parts.length === 1 && !line.combine ? parts[0] : found[0].map((_, row) => (line.combine ?? combine)(parts.map((part) => part[row])));
+    });
+    plot.setData([found[0], ...drawn], false);
+    plot.batch(() => {
+      plot.setScale("x", { min: start, max: Math.max(time, start + 0.1) });
+      plot.setScale("y", range(drawn));
+    });
   }
 
   #resize() {

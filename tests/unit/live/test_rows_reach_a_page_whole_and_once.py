@@ -63,6 +63,25 @@ def test_two_viewers_have_the_same_rows_however_often_they_ask(
     assert followed.time == pytest.approx(START + 0.199)
 
 
+@given(chunks=st.lists(st.integers(0, 2500), max_size=12))
+def test_of_chunks_of_any_size_the_newest_two_seconds_are_kept(chunks: list[int]) -> None:
+    ring = Ring.create(2, capacity=4096)
+    feed = Feed("bench", 1000.0, {}, [ring])
+    feed.publish([SimpleNamespace(name="control", period=1, columns=COLUMNS)])
+    followed = Followed(feed.path)
+    count = 0
+    for chunk in chunks:
+        ring.extend(rows(np.arange(count, count + chunk)))
+        count += chunk
+        followed.read()
+        first, period, cells = followed.rows_since(0, {0: 0})
+        assert (first, period) == (max(0, count - 2000), 1)
+        assert cells[:, 0].tolist() == list(range(first, count))
+    followed.close()
+    feed.remove()
+    ring.remove()
+
+
 def test_many_rows_at_once_keep_every_peak(run: tuple[Followed, Ring]) -> None:
     followed, ring = run
     seen: dict[int, int] = {}
