@@ -10,7 +10,6 @@ from cosim.link.wire.packet import PacketKind
 from tests.support.link.whole import MILLISECOND, SECOND, World
 
 CALM = 9 * SECOND
-"""From here on he lets everything pass, as it comes."""
 WAY = 3 * MILLISECOND
 
 
@@ -35,6 +34,8 @@ class Attacker:
     recorded: list[tuple[str, str, bytes]] = field(default_factory=list)
     """Handshake messages: source, target, content."""
     way: int = WAY
+    calm: int = CALM
+    """From here on he lets everything pass, as it comes."""
 
     def __post_init__(self) -> None:
         draw = self.draw = random.Random(self.seed)
@@ -52,13 +53,13 @@ class Attacker:
         self.withheld: set[bytes] = set()
 
     def _span(self, longest: int) -> Span:
-        begin = self.draw.randrange(0, CALM - longest)
+        begin = self.draw.randrange(0, self.calm - longest)
         source = self.draw.choice([None, *self.names])
         return Span(begin, begin + self.draw.randrange(longest // 10, longest), source)
 
     def treat(self, source: str, target: str, datagram: bytes, now: int) -> list[tuple[int, bytes]]:
         draw = self.draw
-        if now >= CALM:
+        if now >= self.calm:
             return [(now + self.way, datagram)]
         if any(span.covers(source, now) for span in self.blackholes):
             return []
@@ -92,19 +93,26 @@ class Attacker:
             out.append((due, bytes(changed)))
         return out
 
+    def restarts(self) -> list[tuple[str, int, int]]:
+        """Who is killed when, and for how long he is away."""
+        draw, out = self.draw, []
+        for name in self.names:
+            if draw.random() < 0.4:
+                pause = draw.choice([0, 200 * MILLISECOND, 1500 * MILLISECOND])
+                out.append((name, draw.randrange(SECOND // 5, self.calm - 2 * SECOND), pause))
+        return out
+
     def events(self, world: World) -> list[tuple[int, Callable[[], None]]]:
         """Restarts, and greetings replayed at 100 a second."""
         draw = self.draw
         out: list[tuple[int, Callable[[], None]]] = []
 
-        def restart(name: str, pause: int) -> None:
-            at = draw.randrange(SECOND // 5, CALM - 2 * SECOND)
+        def restart(name: str, at: int, pause: int) -> None:
             out.append((at, lambda: world.kill(name)))
             out.append((at + pause, lambda: None if name in world.stations else world.start(name)))
 
-        for name in self.names:
-            if draw.random() < 0.4:
-                restart(name, draw.choice([0, 200 * MILLISECOND, 1500 * MILLISECOND]))
+        for name, at, pause in self.restarts():
+            restart(name, at, pause)
 
         def replay() -> None:
             greetings = [m for m in self.recorded if m[2][3] <= PacketKind.COOKIE]
@@ -115,3 +123,27 @@ class Attacker:
         for span in self.replays:
             out += [(at, replay) for at in range(span.begin, span.end, 10 * MILLISECOND)]
         return out
+
+
+class Hardest(Attacker):
+    """What is hardest in one schedule; drawn is only which datagrams it happens to."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        answerer, asker = sorted(self.names)
+        self.calm = 8 * SECOND
+        self.withholds = True
+        self.drops, self.holds, self.copies, self.flips = 0.2, 0.2, 0.3, 0.1
+        self.loss, self.jitter = 0.02, 2 * MILLISECOND
+        self.replays = [Span(SECOND, self.calm)]
+        self.bursts = [Span(7000 * MILLISECOND, 7300 * MILLISECOND)]
+        # While they meet; before the answerer is gone, and when he is there again.
+        self.blackholes = [
+            Span(200 * MILLISECOND, 500 * MILLISECOND),
+            Span(2000 * MILLISECOND, 2400 * MILLISECOND, answerer),
+            Span(6200 * MILLISECOND, 6600 * MILLISECOND, asker),
+        ]
+
+    def restarts(self) -> list[tuple[str, int, int]]:
+        """The answerer, while greetings are replayed to him a hundred times a second."""
+        return [(min(self.names), 2500 * MILLISECOND, 0)]

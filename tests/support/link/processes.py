@@ -24,6 +24,16 @@ HOLD, FADE, RESUME = 5 * 8, 52, 1024
 """Base ticks: of a sample and four that are held, of the fade, of the way back."""
 MAX_FORCE = 2.5
 """N, the start value of ``max_force``."""
+OWN = (800.0, 3.0)
+"""N/m and N·s/m, normal, between a finger and the own copy of the box."""
+PEERS = (170.0, 3.0)
+"""Between a peer's finger and the own copy."""
+COPIES = (77.5, 10.0)
+"""Between the two copies."""
+FRICTION = 0.6
+TIP_SPEED = 0.2
+"""m/s, the fastest that a tip moves."""
+TICK = 1.0 / 1024
 PORTS = range(20_000, 30_000)
 """Below those that the system gives to whoever asks for any."""
 
@@ -149,3 +159,42 @@ def check_bounds(folder: Path, peer: str) -> np.ndarray:
     assert steps[~starts].max(initial=0.0) <= 1.01 / RESUME
     assert steps.min(initial=0.0) >= -1.01 / FADE
     return weight
+
+
+def check_steps(folder: Path, peer: str) -> None:
+    """What one tick changes of the force on a finger, and of what comes from the peer.
+
+    The peer reaches a finger through the mass of the box alone: its force changes no more than
+    where a tip hits the box without a network. What comes from the peer changes as
+    docs/protocol.md says, with the couplers of ``two_users_box``.
+    """
+    user = f"vr_{folder.name[-1]}"
+    with open_run(folder) as run:
+
+        def vector(first: str, second: str) -> np.ndarray:
+            return np.array([run[f"{user}.{each}"].values for each in (first, second)])
+
+        weight = np.asarray(run[f"link_{peer}.lan.weight"].values)
+        fingers = [vector(f"finger_{n}.force[1]", f"finger_{n}.force[2]") for n in (1, 2)]
+        places = [
+            vector("peer_1.box_x", "peer_1.box_y"),
+            *(
+                vector(f"peer_1.finger_{n}_position[1]", f"peer_1.finger_{n}_position[2]")
+                for n in (1, 2)
+            ),
+        ]
+        wrench = vector("coupling_wrench.x", "coupling_wrench.y")
+
+    def step(values: np.ndarray) -> np.ndarray:
+        return np.hypot(*np.diff(values))
+
+    stiffness, damping = OWN
+    for force in fingers:
+        assert step(force).max(initial=0.0) <= (stiffness * TICK + damping) * TIP_SPEED
+    counts = (weight[:-1] > 0.0) & (weight[1:] > 0.0)
+    reach = TIP_SPEED * HOLD * TICK
+    assert all(step(place)[counts].max(initial=0.0) <= reach for place in places)
+    a_finger, copies = (k * reach + b * TIP_SPEED for k, b in (PEERS, COPIES))
+    moved = 2.0 * np.hypot(1.0, FRICTION) * a_finger + copies
+    given_up = np.where(np.diff(weight) < 0.0, np.hypot(*wrench).max(initial=0.0) / FADE, 0.0)
+    assert (step(wrench) <= moved + given_up).all()

@@ -7,32 +7,32 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.support.link.attacker import CALM, Attacker
+from tests.support.link.attacker import Attacker, Hardest
 from tests.support.link.bounds import check_records
+from tests.support.link.silences import BACK, check_silences
 from tests.support.link.whole import MILLISECOND, SECOND, Wire, World
 
-BACK = 1200 * MILLISECOND
-"""Within which two that run have a session again."""
 START = 2500 * MILLISECOND
 """The same for a station that has to join: clocks, a second of lead, others that it waits for."""
 RAMP = 1400 * MILLISECOND
 """Sixteen good samples and a ramp of a second; the way has to be believed again before."""
 
 
-def survive(seed: int, names: list[str]) -> World:
-    attacker = Attacker(seed, names)
+def survive(attacker: Attacker) -> World:
+    names, calm = attacker.names, attacker.calm
     world = World(Wire(attacker.treat), names)
     for name in names:
         world.start(name)
-    world.run(CALM, attacker.events(world))
+    world.run(calm, attacker.events(world))
     ran = [station.running for station in world.stations.values()]
-    world.run(CALM + BACK)
+    world.run(calm + BACK)
     if all(ran):
         assert world.agreed()
-    world.run(CALM + BACK + START + RAMP + SECOND)
+    world.run(calm + BACK + START + RAMP + SECOND)
     assert world.agreed()
     assert world.weights() == [1.0] * (len(names) * (len(names) - 1))
     check_records(world)
+    check_silences(world, attacker)
     return world
 
 
@@ -82,9 +82,14 @@ TRIPLES = [*range(2), *(pytest.param(seed, marks=LONG[seed % 8]) for seed in ran
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_two_stations_survive_a_drawn_schedule(seed: int) -> None:
-    survive(seed, ["a", "b"])
+    survive(Attacker(seed, ["a", "b"]))
 
 
 @pytest.mark.parametrize("seed", TRIPLES)
 def test_three_stations_survive_a_drawn_schedule(seed: int) -> None:
-    survive(1000 + seed, ["a", "b", "c"])
+    survive(Attacker(1000 + seed, ["a", "b", "c"]))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_two_stations_survive_what_is_hardest(seed: int) -> None:
+    survive(Hardest(seed, ["a", "b"]))
