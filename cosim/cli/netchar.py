@@ -78,6 +78,8 @@ def serve_command(
 
     def report() -> None:
         nonlocal shown
+        for sentence in relay.notes():
+            click.echo(f"\r{sentence}", err=True)
         if relay.received != shown:
             shown = relay.received
             click.echo(f"\r{shown} packets of this measurement relayed", nl=False, err=True)
@@ -95,6 +97,7 @@ def serve_command(
         "dropped": relay.dropped,
         "capped": relay.capped,
         "handshakes_failed": relay.handshakes_failed,
+        "refused": relay.refused,
     }
     if as_json:
         click.echo(json.dumps(facts))
@@ -102,7 +105,7 @@ def serve_command(
         click.echo(
             f"{relay.received} packets of the last measurement relayed; {relay.dropped} datagrams "
             f"were not authentic or stray, {relay.capped} beyond the caps; "
-            f"{relay.handshakes_failed} greetings failed."
+            f"{relay.handshakes_failed} greetings failed, {relay.refused} were told to wait."
         )
 
 
@@ -245,6 +248,8 @@ def _table(found: Characteristics, facts: dict[str, Any]) -> str:
                 f"1/{rate['achievable']:.0f} s (limit: {rate['limit']})",
             )
         )
+    if found.forged:
+        lines.append(("Not authentic", f"{found.forged} datagrams, dropped"))
     if found.capped:
         lines.append(
             ("Kept back by the relay", f"{found.capped} packets beyond its --max-rate, not lost")

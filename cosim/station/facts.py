@@ -29,6 +29,7 @@ def link_facts(
         "handshake_process": {
             "dropped": process.dropped,
             "absurd": process.absurd,
+            "answered": bool(process.facts),
             **process.facts,
         },
         "peers": {},

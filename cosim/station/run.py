@@ -167,6 +167,11 @@ def run_station(
 
         def facts() -> dict[str, Any]:
             process.leave()
+            if not process.facts:
+                say(
+                    "the process that shakes hands had ended, or did not answer: the manifest lacks "
+                    "its counts, and a peer that was lost could not come back"
+                )
             return link_facts(own, grid, half.peers, remotes, process)
 
         execute.facts = facts

@@ -115,6 +115,8 @@ class NetworkMeasurement:
         self.late_replies = 0
         """Replies to an earlier measurement's packets: late, and not lost."""
         self.duplicates = self.forged = self.reordered = 0
+        self.greetings = 0
+        """Messages of the handshake that came when it was over: second copies, late ones."""
         self.capped = 0
         """Packets that came to the other side and were not relayed because of its caps."""
         self.unsent = 0

@@ -158,7 +158,13 @@ class Probe:
         assert self._opener is not None
         size = len(datagram)
         if size >= HEADER.size and PacketKind.HELLO <= datagram[3] <= PacketKind.KEEP:
-            return  # the answer to a greeting that was sent twice
+            # The answer to a greeting that was sent twice, or what only looks like one.
+            drops = self._asker.drops
+            foreign = drops.foreign
+            self._asker.receive(bytes(datagram), self._transport.arrival(), time.monotonic_ns())
+            result.forged += drops.foreign - foreign
+            result.greetings += drops.foreign == foreign
+            return
         plain = self._plain[: max(0, size - OVERHEAD)]
         genuine = (
             size >= SMALLEST

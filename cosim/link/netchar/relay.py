@@ -35,6 +35,8 @@ ECHO = struct.Struct("<qqqQQ")
 OVERHEAD = HEADER.size + TAG_SIZE
 SMALLEST = OVERHEAD + ECHO.size
 LARGEST = 1232
+STRANGE = 2
+"""Greetings that fit no key or version after which that is said."""
 _IDLE = 2_000_000_000
 READS_AT_ONCE = 256
 
@@ -69,7 +71,10 @@ class Relay:
         """Datagrams that were not authentic, or no probe of the present session."""
         self.received = 0
         self.handshakes_failed = 0
-        """Greetings that came to nothing: another key, another version, noise of their size."""
+        """Greetings that came to nothing: another key, another version, noise of their size, copies
+        of old ones."""
+        self.refused = 0
+        """Greetings answered with: busy."""
         self._answerer = Answerer(
             own=SERVER, peer=CLIENT, key=key, contract=CONTRACT, proof_of_address=True
         )
@@ -81,6 +86,8 @@ class Relay:
         self._answer = memoryview(bytearray(LARGEST))
         self._window = ReplayWindow()
         self._capped_before = 0
+        self._other_versions: list[int] = []
+        self._noted: set[str] = set()
         self._since = 0
         self._last = 0
         self._allowance = 0.0
@@ -91,7 +98,10 @@ class Relay:
         """What to send back to ``sender``, if anything."""
         size = len(datagram)
         if size > HEADER.size and _is_greeting(datagram[3], size):
-            return self._shake_hands(bytes(datagram), sender, now())
+            answer = self._shake_hands(bytes(datagram), sender, now())
+            self.handshakes_failed += answer is None
+            self.refused += answer is not None and answer[3] == PacketKind.REFUSE
+            return answer
         if not SMALLEST <= size <= LARGEST or sender != self._address or self._opener is None:
             self.dropped += 1
             return None
@@ -118,17 +128,34 @@ class Relay:
         self._sealer.seal(PacketKind.ECHO, 0, plain, answer)
         return answer
 
+    def notes(self) -> list[str]:
+        """What to tell who serves, each sentence once: anybody may have sent what it is of."""
+        due: dict[str, str] = {}
+        if len(self._other_versions) >= STRANGE:
+            due["version"] = (
+                f"version {self._other_versions[0]} of the link's protocol comes here, and this is "
+                f"version {VERSION}: run one version of cohaptic on both"
+            )
+        if self._answerer.drops.foreign >= STRANGE:
+            due["key"] = "what comes does not fit the key: do both ends have the same key file?"
+        if self.refused:
+            due["busy"] = "somebody else wants to measure meanwhile, and is told to wait"
+        fresh = due.keys() - self._noted
+        self._noted |= fresh
+        return [due[about] for about in sorted(fresh)]
+
     def _shake_hands(self, datagram: bytes, sender: tuple[object, ...], now: int) -> bytes | None:
         busy = self._address not in {None, sender} and now - self._last < _IDLE
         answerer = self._answerer
         answerer.busy = busy
-        failed = answerer.drops.foreign
+        if datagram[:2] == MAGIC and datagram[2] != VERSION:
+            self._other_versions.append(datagram[2])
+            del self._other_versions[STRANGE:]
+            return None
         if busy and len(datagram) == KEEP_SIZE:
-            self.dropped += 1
             return None
         # Whoever has not shown that he is where he says gets a cookie, and nothing else.
         outcome = answerer.receive(datagram, now, now, repr(sender).encode())
-        self.handshakes_failed += answerer.drops.foreign - failed
         session = answerer.current
         if session is not None and session is not self._session:
             self._session = session

@@ -78,6 +78,8 @@ class Characteristics:
     duplicates: int
     reordered: int
     forged: int
+    greetings: int
+    """Messages of the handshake that came when it was over."""
     capped: int
     """Packets that the relay's caps kept back: neither lost nor measured."""
     late: int
@@ -127,6 +129,7 @@ def characterise(measurement: NetworkMeasurement) -> Characteristics:
         duplicates=measurement.duplicates,
         reordered=measurement.reordered,
         forged=measurement.forged,
+        greetings=measurement.greetings,
         capped=measurement.capped,
         late=measurement.late,
         late_replies=measurement.late_replies,

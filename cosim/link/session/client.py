@@ -41,7 +41,7 @@ from cosim.link.wire.packet import PacketKind
 
 FORWARDS_AT_ONCE = 64
 """Datagrams that the loop passes on between two looks at the process; what is lost is repeated."""
-LAST_WORDS = 0.5
+LAST_WORDS = 2.0
 """Longest time (s) to wait for the counts of the process after the loop."""
 PATIENT = 0.05
 """Longest pause (s) between two looks at what the process says, before the start."""
@@ -62,7 +62,7 @@ class HandshakeProcess:
         self.sessions = 0
         """Sessions begun, all peers together."""
         self.facts: dict[str, Any] = {}
-        """What the process had counted when it was told to end."""
+        """What the process had counted when it was told to end; empty where it did not answer."""
         self._forwarded = 0
         self._process: subprocess.Popen[str] | None = None
         self._own: socket.socket | None = None

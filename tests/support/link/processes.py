@@ -128,7 +128,7 @@ class Listener:
         """Ask it to end in order; its exit status."""
         with contextlib.suppress(ProcessLookupError):
             self.process.send_signal(signal.SIGINT)
-        self.process.wait(30)
+        self.process.wait(120)
         self.close()
         return self.process.returncode
 

@@ -22,12 +22,8 @@ from cosim.link.netchar.measurement import NetworkMeasurement
 from cosim.link.netchar.preset import channel_preset
 from cosim.link.netchar.probe import Probe, check_measurement
 from cosim.link.netchar.relay import (
-    CLIENT,
-    CONTRACT,
     ECHO,
     OVERHEAD,
-    PROBE,
-    SERVER,
     SMALLEST,
     Caps,
     Relay,
@@ -35,14 +31,15 @@ from cosim.link.netchar.relay import (
 )
 from cosim.link.netchar.search import search_rate
 from cosim.link.netchar.statistics import Characteristics, characterise
-from cosim.link.session.asker import RETRY, Asker
+from cosim.link.session.asker import RETRY
 from cosim.link.session.greeting import GREETING_SIZE
 from cosim.link.wire.address import Address
-from cosim.link.wire.packet import Opener, PacketKind, Sealer
+from cosim.link.wire.packet import PacketKind
 from cosim.link.wire.sockets import open_socket
 from cosim.testing.impairment import BadNetwork, Impairer, Injected
 from cosim.testing.proxy import Proxy
 from tests.support.link.measured import measured, peak
+from tests.support.link.relay_client import Session
 from tests.support.link.support import KEY, OTHER_KEY
 from tests.support.machine import timed
 
@@ -247,38 +244,6 @@ def test_a_relay_with_another_key_does_not_answer() -> None:
             Probe(link, KEY).connect(timeout=0.3)
         while not relay.handshakes_failed:  # its thread may not have run yet
             time.sleep(0.01)
-
-
-class Session:
-    """A client that shakes hands with a relay by function calls."""
-
-    def __init__(self, relay: Relay, sender=("127.0.0.1", 5000), now: int = 0) -> None:
-        self.relay, self.sender = relay, sender
-        self.asker = Asker(own=CLIENT, peer=SERVER, key=KEY, contract=CONTRACT)
-        (message,) = self.asker.poll(now)
-        self.greetings = [message]
-        while message is not None:
-            answer = relay.take(memoryview(message), sender, now, lambda: now)
-            message = None
-            if answer is not None:
-                message = self.asker.receive(bytes(answer), now, now).answer
-                self.greetings += [] if message is None else [message]
-        keys = None if self.asker.current is None else self.asker.current.keys
-        self.connected = keys is not None
-        if keys is not None:
-            self.sealer = Sealer(keys.outgoing, keys.session)
-            self.opener = Opener(keys.incoming, keys.session)
-
-    def probe(self, sent: int, size: int = 100) -> bytes:
-        plain = bytearray(size - OVERHEAD)
-        PROBE.pack_into(plain, 0, sent)
-        datagram = bytearray(size)
-        self.sealer.seal(PacketKind.PROBE, 0, memoryview(plain), memoryview(datagram))
-        return bytes(datagram)
-
-    def ask(self, datagram: bytes, at: int, sender=None) -> bytes | None:
-        answer = self.relay.take(memoryview(datagram), sender or self.sender, at, lambda: at)
-        return None if answer is None else bytes(answer)
 
 
 @pytest.mark.parametrize("size", [SMALLEST, 280, 1200, 1232])
