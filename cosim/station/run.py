@@ -169,8 +169,8 @@ def run_station(
             process.leave()
             if not process.facts:
                 say(
-                    "the process that shakes hands had ended, or did not answer: the manifest lacks "
-                    "its counts, and a peer that was lost could not come back"
+                    "the process that shakes hands had ended, or did not answer: its counts are "
+                    "missing, and a peer that was lost could not come back"
                 )
             return link_facts(own, grid, half.peers, remotes, process)
 
