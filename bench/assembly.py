@@ -26,7 +26,6 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
     """Seconds of each part, in this process; ``ticks`` are 64 of the loop, a component."""
     import cProfile
 
-    from cosim.base.system.garbage import without_collecting
     from cosim.master.run.simulation import assemble
     from cosim.record.writer import Recorder
     from cosim.run import peak_memory
@@ -60,8 +59,7 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
         lap("assemble")
         with simulation:
             start("start")
-            with without_collecting():
-                simulation._start(scenario.ticks, recorded=record)
+            simulation.start(recorded=record)
             lap("start")
             if record:
                 start("record")
@@ -71,7 +69,7 @@ def measure(size: int, *, record: bool, profiled: str | None) -> dict[str, float
                 recorder.close()
             began = time.perf_counter()
             if not record:
-                simulation._run_chunk(0, 64, None)
+                simulation.advance(64)
             lap("ticks")
     times["memory"] = peak_memory() / 1e6
     return times

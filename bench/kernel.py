@@ -249,7 +249,7 @@ def measure(
     ticks, sink = scenario.ticks, MemorySink() if recorded else None
     with assemble(written) as bare_run, assemble(written) as master_run:
         for simulation in (bare_run, master_run):
-            simulation._start(ticks, recorded=recorded)
+            simulation.start(ticks, recorded=recorded)
         if sink is not None:
             sink.begin(master_run.groups, scenario.base_rate)
         stream = binary_log(folder / "log.bin") if log else None
@@ -258,7 +258,7 @@ def measure(
         for begin in range(0, ticks, SLICE):
             end = min(ticks, begin + SLICE)
             t0 = time.thread_time()
-            master_run._run_chunk(begin, end, sink)
+            master_run.advance(end, sink)
             t1 = time.thread_time()
             status = bare(begin, end)
             t2 = time.thread_time()

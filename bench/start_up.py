@@ -43,12 +43,12 @@ def measure(scenario: str, since: float) -> dict[str, float]:
     lap("load")
     with tempfile.TemporaryDirectory() as folder, assemble(loaded) as simulation:
         lap("assemble")
-        simulation._start(loaded.ticks, recorded=True)
+        simulation.start(recorded=True)
         lap("start")
         with Recorder(Path(folder) / RUN_FILE, loaded.ticks) as recorder:
             recorder.begin(simulation.groups, loaded.base_rate)
             lap("record")
-            simulation._run_chunk(0, 1, recorder)
+            simulation.advance(1, recorder)
             lap("first tick")
     times["processor"] = time.process_time()
     return times

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cosim.base.component import Component
 from cosim.continuation import Continuation, Origin
-from cosim.master.run.simulation import Progress
+from cosim.master.run.execution.loop import Progress
 from cosim.reading import load
 from cosim.record.reader import SCENARIO_FILE
 from cosim.run import Finished, run_scenario

@@ -15,7 +15,8 @@ from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.recording import TextChanges
 from cosim.master.assembly.clock import Clock
 from cosim.master.run.checkpoint import refuse_unless_resumable
-from cosim.master.run.simulation import Pause, Progress, Simulation
+from cosim.master.run.execution.loop import Pause, Progress
+from cosim.master.run.simulation import Simulation
 from cosim.master.run.snapshot import Snapshot, read_snapshot
 from cosim.record.reader import SCENARIO_FILE, Run, open_run
 from cosim.record.texts.recorded import RecordedText

@@ -18,7 +18,9 @@ from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.files import files_of
-from cosim.master.run.simulation import Outcome, Progress, Simulation
+from cosim.master.run.execution.loop import Progress
+from cosim.master.run.outcome import Outcome
+from cosim.master.run.simulation import Simulation
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge, prepare
 from cosim.record.folder import check_folder, new_folder

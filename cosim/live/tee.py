@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from cosim.base.recording import RecordGroup, Rows, Sink
-from cosim.master.run.simulation import Progress, Simulation
+from cosim.master.run.execution.loop import Progress
+from cosim.master.run.simulation import Simulation
 from cosim.realtime.live import Feed
 from cosim.realtime.relay import make_rings
 from cosim.realtime.ring import Ring

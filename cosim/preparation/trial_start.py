@@ -16,7 +16,8 @@ from typing import Any, cast
 
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.system.manner import manner
-from cosim.master.run.simulation import ALL_TOGETHER, Simulation
+from cosim.master.run.execution.life_cycle import ALL_TOGETHER
+from cosim.master.run.simulation import Simulation
 
 START_SECONDS = 20.0
 """Time for all components together."""

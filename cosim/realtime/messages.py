@@ -11,7 +11,7 @@ from typing import Any
 
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.system.grants import Grant
-from cosim.master.run.simulation import Outcome
+from cosim.master.run.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,9 +20,9 @@ from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Program
 from cosim.master.kernel.structures import KernelOutcome
 from cosim.master.run.diagnosis import moment
+from cosim.master.run.execution.loop import Drive
 from cosim.master.run.guard import StatusReturnedError, guarded
 from cosim.master.run.interrupt import Wish
-from cosim.master.run.simulation import Drive
 from cosim.realtime.pacing import Pacer, Work
 
 MODELS, RECORD = "models", "record"

@@ -19,8 +19,9 @@ from cosim.base.recording import Sink
 from cosim.base.system.grants import Grant
 from cosim.base.system.pulse import Pulse, Who
 from cosim.base.system.supervised import Opening, Opens, Supervised
+from cosim.master.run.execution.loop import Progress
 from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
-from cosim.master.run.simulation import Progress, Simulation
+from cosim.master.run.simulation import Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer
 from cosim.realtime.leftovers import remove_leftovers

@@ -20,7 +20,8 @@ from cosim.link.stream.remote import Grid, RemoteStation
 from cosim.link.wire.address import Address, refuse_open_network
 from cosim.link.wire.sockets import open_sockets
 from cosim.link.wire.transport import UdpTransport
-from cosim.master.run.simulation import Progress, Simulation
+from cosim.master.run.execution.loop import Progress
+from cosim.master.run.simulation import Simulation
 from cosim.preparation.prepare import Judge, prepare
 from cosim.realtime.pacing import DeadlinePacer, Policy, sleep_until
 from cosim.record.folder import check_folder

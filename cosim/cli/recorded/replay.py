@@ -16,7 +16,8 @@ from cosim.cli.support.terminal.complete import run_folders
 from cosim.cli.support.values import OutputFolder
 
 if TYPE_CHECKING:
-    from cosim.master.run.simulation import Progress, Simulation
+    from cosim.master.run.execution.loop import Progress
+    from cosim.master.run.simulation import Simulation
     from cosim.record.writer import Recorder
     from cosim.scenario import Scenario
 

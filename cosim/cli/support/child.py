@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import CohapticError, RunError
+from cosim.master.run.execution.loop import Progress
 from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
-from cosim.master.run.simulation import Progress
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge
 from cosim.record.manifest import conclude, write_json, write_manifest

@@ -19,14 +19,14 @@ ALSO_LATER = {"cosim.master", "cosim.scenario", "h5py", "numpy", "pydantic", "ya
 
 FIRST_TICK = """
 import os, sys
-from cosim.master.run.simulation import Simulation
+from cosim.master.run.execution.kernel_run import KernelRun
 
 def first(*_, **__):
     with open(os.environ["SEEN"], "w") as file:
         print(*sys.modules, file=file)
     os._exit(0)
 
-Simulation._run_chunk = first
+KernelRun.run_chunk = first
 """
 RUN = "from cosim.cli import main; main()"
 

@@ -41,7 +41,7 @@ def test_a_whole_scenario_apart_has_the_same_bits(flavour: str) -> None:
                 sets += [f"components.{name}.flavour={flavour}"]
                 sets += [f"components.{name}.isolate=process"] * isolated
         sink, simulation = run(load(ROOT / "scenarios" / "two_users_box.yaml", sets=sets))
-        assert all(each.is_isolated is isolated for each in simulation._fmus.values())
+        assert all(each.is_isolated is isolated for each in simulation.fmus.values())
         found.append(rows(sink))
     for here, apart in zip(*found, strict=True):
         assert np.array_equal(here, apart)
@@ -101,7 +101,7 @@ def test_its_own_reason_reaches_the_sentence_and_the_log(tmp_path: Path) -> None
 
 
 def killed(simulation: Simulation, name: str) -> int:
-    process = simulation._fmus[name]._process
+    process = simulation.fmus[name]._process
     assert process is not None
     os.kill(process._process.pid, signal.SIGKILL)
     return process._process.pid
@@ -115,7 +115,7 @@ def test_a_death_between_two_ticks_costs_a_sentence_and_the_rest_is_closed(tmp_p
         killed(simulation, "a")
         with pytest.raises(RunError, match=r"a crashed \(SIGKILL: killed\) .* at tick 100"):
             simulation.advance(200)
-        other = simulation._fmus["b"]._process
+        other = simulation.fmus["b"]._process
         assert other is not None
     assert other._process.returncode == 0
     assert simulation.died == ""

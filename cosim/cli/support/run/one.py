@@ -18,7 +18,7 @@ from cosim.cli.support.page import live_page, scene_of
 
 if TYPE_CHECKING:
     from cosim.cli.support.pace import Policy
-    from cosim.master.run.simulation import Progress
+    from cosim.master.run.execution.loop import Progress
     from cosim.realtime.paced_run import PacedRun
     from cosim.run import Execute, Finished
     from cosim.scenario import Scenario

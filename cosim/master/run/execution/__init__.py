@@ -1,0 +1,1 @@
+"""What a simulation is composed of: start values, FMUs, Python components, the kernel, the loop."""

@@ -1,0 +1,198 @@
+"""The FMUs of a simulation: made, initialised, restarted from run to run, freed.
+
+The process is protected from those that are not ours: what they change of it is put back, and the
+end of the process that one has for itself becomes a sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
+
+from cosim.base.errors import RunError
+from cosim.master.assembly.assemble import Assembly
+from cosim.master.fmu.instance import Fmu
+from cosim.master.fmu.isolation.isolated import ProcessEnded
+from cosim.master.fmu.log import Said
+from cosim.master.fmu.refusal import placed_refusal
+from cosim.master.fmu.surroundings import Surroundings
+from cosim.master.run.restart import Restart, Times
+from cosim.master.run.whereabouts import Whereabouts
+
+_UNGUARDED = nullcontext()
+
+Told = Callable[[str, str], None]
+"""Told a component's name, and what is about to be done with it."""
+
+
+class RunningFmus:
+    """All FMUs of one simulation; ``assembly`` is what they run, another one after ``renew``."""
+
+    def __init__(self, assembly: Assembly, whereabouts: Whereabouts) -> None:
+        self.assembly = assembly
+        self.all: dict[str, Fmu] = {}
+        """By component; empty before the first run."""
+        self.died = ""
+        """The sentence of one whose process ended when it was closed."""
+        self._whereabouts = whereabouts
+        self._failed: set[str] = set()
+        self._restart: Restart | None = None
+        self._is_restarted = False
+        self._kept_times: tuple[int, Times] | None = None
+
+    def refuse_lost(self) -> None:
+        """Whether another run may be had.
+
+        Raises:
+            RunError: an FMU was lost for good.
+        """
+        lost = next((name for name, fmu in self.all.items() if fmu.is_lost), None)
+        if lost is not None:
+            raise RunError(f"{lost}: after a fatal status nothing more can be run with it.")
+
+    def prepare(self, end: int, told: Told) -> bool:
+        """Have all FMUs, with their values, for a run to tick ``end``.
+
+        Whether they are those of the run before, restarted: then all are in initialisation mode.
+
+        Raises:
+            InputError: one cannot be loaded, or refuses its values.
+        """
+        times = self._times(end)
+        self._is_restarted = self._begin_again(times)
+        if not self._is_restarted:
+            self._create(told)
+        return self._is_restarted
+
+    def enter_initialisation(self, end: int, told: Told) -> None:
+        """Enter initialisation mode, where ``prepare`` has not.
+
+        Raises:
+            InputError: one refuses to.
+        """
+        times = self._times(end)
+        for name, fmu in self.all.items() if not self._is_restarted else ():
+            told(name, "entering initialisation mode")
+            with placed_refusal(self.assembly.scenario, name), self.guarding(fmu):
+                fmu.enter_initialisation(*times[name])
+
+    def leave_initialisation(self, begin_events: Callable[[str, int], None], told: Told) -> None:
+        """Leave initialisation mode; ``begin_events`` is called with a component before and after.
+
+        Raises:
+            InputError: one refuses to: its parameters and inputs do not go together.
+            RunError: one failed for good.
+        """
+        if self._restart is not None and self._is_restarted:
+            self._restart.leave(self.assembly.scenario)
+            return
+        for name, fmu in self.all.items():
+            told(name, "leaving initialisation mode")
+            with placed_refusal(self.assembly.scenario, name), self.guarding(fmu):
+                self._whereabouts.clear()
+                begin_events(name, 0)
+                fmu.exit_initialisation()
+                self._whereabouts.clear()
+                begin_events(name, 1)
+
+    def fail(self, component: str) -> None:
+        """Take note that an error was met in a component."""
+        self._failed.add(component)
+
+    def said(self) -> dict[str, tuple[Said, ...]]:
+        """What FMUs said that was not well, by component."""
+        return {name: said for name, fmu in self.all.items() if (said := fmu.said())}
+
+    def close(self) -> None:
+        """Free every FMU; may be called more than once."""
+        self._restart = None
+        apart = {fmu.library for fmu in self.all.values() if fmu.is_isolated}
+        lost = {fmu.library for fmu in self.all.values() if fmu.is_lost} - apart
+        for name, fmu in self.all.items():
+            try:
+                with self.guarding(fmu):
+                    fmu.close(failed=name in self._failed or fmu.library in lost)
+            except RunError as error:
+                self.died = self.died or str(error)
+        self._whereabouts.clear()
+
+    def guarding(self, *fmus: Fmu) -> AbstractContextManager[None]:
+        """Put back what foreign FMUs, one of these, change of what belongs to the process.
+
+        Raises, inside:
+            RunError: the process that one of them has for itself has ended.
+        """
+        own = all(fmu.is_trusted and not fmu.is_isolated for fmu in fmus)
+        return _UNGUARDED if own else self._guard(*fmus)
+
+    @contextmanager
+    def _guard(self, *fmus: Fmu) -> Generator[None]:
+        foreign = [fmu for fmu in fmus if not fmu.is_trusted]
+        before = Surroundings() if foreign else None
+        try:
+            yield
+        except ProcessEnded as ended:
+            component, doing = self._whereabouts.sentence(self.assembly.scenario)
+            self.all[component].is_lost = True
+            raise RunError(f"{component} {ended.manner} {doing}") from None
+        finally:
+            for what in before.put_back() if before is not None else ():
+                for fmu in foreign:
+                    fmu.disturbed(what if len(foreign) == 1 else f"{what} (or another FMU did)")
+
+    def _times(self, end: int) -> Times:
+        """When the run of each FMU begins and ends (s)."""
+        if self._kept_times is None or self._kept_times[0] != end:
+            parts, clock = self.assembly.parts, self.assembly.clock
+            begin = clock.seconds(0)
+            # The end of its last step may lie beyond the run's.
+            ends = {
+                period: clock.seconds(-(-end // period) * period)
+                for period in {part.period for part in parts.values()}
+            }
+            fmus = (name for name, each in self.assembly.participants.items() if each.fmu)
+            self._kept_times = end, {name: (begin, ends[parts[name].period]) for name in fmus}
+        return self._kept_times[1]
+
+    def _begin_again(self, times: Times) -> bool:
+        """Restart the FMUs of the run before; ``False`` where that cannot be."""
+        if self._restart is None:
+            if self._failed or not self.all or not all(f.can_restart for f in self.all.values()):
+                return False
+            self._restart = Restart(self.all)
+        if not self._failed and self._restart.begin(self.assembly.participants, times):
+            return True
+        self._restart = None
+        return False
+
+    def _create(self, told: Told) -> None:
+        for name, fmu in self.all.items():
+            if not fmu.is_trusted:  # all that share a library, before it is loaded anew
+                with self.guarding(fmu):
+                    fmu.close(failed=name in self._failed)
+        scenario = self.assembly.scenario
+        for name, participant in self.assembly.participants.items():
+            if participant.fmu is None:
+                continue
+            is_new = name not in self.all
+            if is_new:
+                self.all[name] = Fmu(
+                    name,
+                    participant.fmu,
+                    substeps=participant.substeps,
+                    is_trusted=scenario.components[name].is_bundled,
+                    is_isolated=participant.is_isolated,
+                    calling=partial(self._whereabouts.note, name),
+                )
+            fmu = self.all[name]
+            told(name, "being instantiated and given its values")
+            with placed_refusal(scenario, name), self.guarding(fmu):
+                if is_new:
+                    fmu.instantiate()
+                else:
+                    fmu.renew(failed=name in self._failed)
+                fmu.configure(participant.parameters)
+                fmu.set_values(participant.parameters)
+                fmu.set_values(participant.start)
+        self._failed.clear()
