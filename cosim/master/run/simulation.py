@@ -18,7 +18,7 @@ from cosim.master.run import branch_point, checkpoint
 from cosim.master.run.branch_point import BranchPoint
 from cosim.master.run.execution.fmus import Told
 from cosim.master.run.execution.life_cycle import LifeCycle
-from cosim.master.run.execution.loop import Drive, Loop, Pause, Progress
+from cosim.master.run.execution.loop import ChunkedLoop, Drive, Pause, Progress
 from cosim.master.run.execution.restoring import go_on, put_back
 from cosim.master.run.interrupt import wish_to_stop
 from cosim.master.run.outcome import Outcome
@@ -64,7 +64,7 @@ class Simulation:
         self.outcome = Outcome(ticks=0, wall_time=0.0, interrupted=False)
         """What was reached, also after an error."""
         self._cycle = LifeCycle(assembly, self.program, self._whereabouts)
-        self._loop = Loop()
+        self._loop = ChunkedLoop()
         self._restored: Snapshot | None = None
         self._origin: BranchPoint | None = None
         self._end = 0

@@ -43,7 +43,7 @@ Progress = Callable[[int, float], None]
 """Told the ticks done and the loop's wall time (s), a few times a second."""
 
 
-class Loop:
+class ChunkedLoop:
     """Runs ticks; what it learned of the length of a chunk it keeps from run to run."""
 
     def __init__(self) -> None:
