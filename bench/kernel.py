@@ -98,7 +98,7 @@ def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]
     starts = np.ctypeslib.as_array(
         ctypes.cast(kernel.program_start, ctypes.POINTER(ctypes.c_int64)), (3,)
     )
-    count = len(program._operations)
+    count = len(program.operations.all)
     written: list[str] = []
     # Program 0 is initialisation, program 1 is tick 0; what follows belongs to every tick.
     fixed = int(starts[2])
@@ -109,7 +109,7 @@ def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]
     for number in range(count):
         if number in early:
             continue
-        operation, action = program._operations[number], program.actions[number]
+        operation, action = program.operations.all[number], program.operations.actions[number]
         text = statement(simulation, operation, base, log)
         if not text:
             continue

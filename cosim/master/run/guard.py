@@ -16,7 +16,8 @@ from cosim.base.errors import RunError
 from cosim.master.components.interface import Element, has_cells, size_of
 from cosim.master.fmu.binding import OK, WARNING
 from cosim.master.kernel.native import library
-from cosim.master.kernel.program import Call, Program
+from cosim.master.kernel.program import Program
+from cosim.master.kernel.written import Call
 from cosim.master.run.diagnosis import moment
 
 
