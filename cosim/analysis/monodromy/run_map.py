@@ -156,7 +156,7 @@ class RunMap:
     def output(self, component: str, variable: str) -> float:
         """An output at the state that the run stands in now."""
         saved = self.fmus[component]
-        words = np.frombuffer(saved.fmu.save_state(), dtype=np.int64)
+        words = np.frombuffer(saved.fmu.states.save(), dtype=np.int64)
         return saved.declared.value(words, variable)
 
     def put(self, state: Real) -> None:

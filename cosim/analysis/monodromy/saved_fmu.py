@@ -20,7 +20,7 @@ class SavedFmu:
 
     def __init__(self, fmu: Fmu) -> None:
         self.fmu = fmu
-        self.words = _words(fmu.save_state())
+        self.words = _words(fmu.states.save())
         self.declared = DeclaredState(fmu.description, self.words)
         self.start = self.declared.places(self.words)
         self.end: NDArray[np.int64] = self.start
@@ -38,7 +38,7 @@ class SavedFmu:
 
     def restart(self) -> None:
         """Take the state that the FMU has now as the one to start from."""
-        self.words = _words(self.fmu.save_state())
+        self.words = _words(self.fmu.states.save())
         self.start = self.declared.places(self.words)
 
     def put(self, values: Real) -> None:
@@ -48,11 +48,11 @@ class SavedFmu:
             words = words.copy()
             words.view(np.float64)[self.start] = values
             words[CHECKSUM] = _checksum(words)
-        self.fmu.load_state(words.tobytes())
+        self.fmu.states.load(words.tobytes())
 
     def overwrite(self, values: Mapping[str, float]) -> None:
         """Give variables other values now, whatever they are: parameters too."""
-        words = _words(self.fmu.save_state()).copy()
+        words = _words(self.fmu.states.save()).copy()
         for variable, value in values.items():
             place = self.declared.begin + self.fmu.description.references[variable]
             if self.fmu.description.variables[variable].type.is_float:
@@ -60,7 +60,7 @@ class SavedFmu:
             else:
                 words[place] = int(value)
         words[CHECKSUM] = _checksum(words)
-        self.fmu.load_state(words.tobytes())
+        self.fmu.states.load(words.tobytes())
 
     def adopt(self, other: SavedFmu) -> None:
         """Stand where another instance of the model does, which has other parameters."""
@@ -68,11 +68,11 @@ class SavedFmu:
         words[CHECKED : self.declared.begin] = other.words[CHECKED : self.declared.begin]
         words[changing] = other.words[changing]
         words[CHECKSUM] = _checksum(words)
-        self.fmu.load_state(words.tobytes())
+        self.fmu.states.load(words.tobytes())
 
     def note_end(self) -> Real:
         """Take the state now as the one that the undisturbed run ends in; its live numbers."""
-        self.after = _words(self.fmu.save_state())
+        self.after = _words(self.fmu.states.save())
         self.end = self.declared.places(self.after)
         return self.after.view(np.float64)[self.end]
 
@@ -92,7 +92,7 @@ class SavedFmu:
 
     def timed_outputs(self) -> dict[str, float]:
         """The outputs now that depend on no input, by name."""
-        words, description = _words(self.fmu.save_state()), self.fmu.description
+        words, description = _words(self.fmu.states.save()), self.fmu.description
         return {
             name: self.declared.value(words, name)
             for name, variable in description.variables.items()
@@ -103,7 +103,7 @@ class SavedFmu:
 
     def read(self) -> tuple[Real, str | None]:
         """The live numbers at the end, and the first word that is not as undisturbed, by name."""
-        words = _words(self.fmu.save_state())
+        words = _words(self.fmu.states.save())
         other = np.flatnonzero(words[self._fixed] != self.after[self._fixed])
         differs = None
         if other.size:

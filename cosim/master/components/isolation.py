@@ -14,7 +14,7 @@ from pathlib import Path
 from cosim.master.components.participants import Participant
 from cosim.master.fmu.archive import sha256_of
 from cosim.master.fmu.description import FmuDescription
-from cosim.master.fmu.instance import find_binary
+from cosim.master.fmu.loaded.binary import find_binary
 from cosim.scenario import Scenario
 
 

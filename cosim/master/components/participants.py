@@ -21,7 +21,8 @@ from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import SETTABLE, STARTABLE, resolve_values
 from cosim.master.components.table import table_of
 from cosim.master.fmu.description import FmuDescription
-from cosim.master.fmu.instance import choose_substeps, find_binary
+from cosim.master.fmu.loaded.binary import find_binary
+from cosim.master.fmu.loaded.substeps import choose_substeps
 from cosim.master.fmu.reading import read_description
 from cosim.scenario import Kind, Scenario
 

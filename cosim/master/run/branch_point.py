@@ -68,7 +68,7 @@ def mark(
             f"{name} is turned while it runs, so that runs cannot begin in the middle."
         )
     for fmu in fmus.values():
-        fmu.keep_state()
+        fmu.states.keep()
     kernel = program.kernel
     return BranchPoint(
         assembly=assembly,
@@ -114,7 +114,7 @@ def go_back(
     """
     program.rewind(assembly.wiring)
     for fmu in fmus.values():
-        fmu.return_to_state()
+        fmu.states.go_back()
     for number, (values, tables) in enumerate(origin.bundles):
         try:
             program.packets.branch(number, values, tables)

@@ -65,7 +65,7 @@ def take(
     arrays: dict[str, Any] = {"cells": program.cells.copy(), **program.texts.save()}
     if not without_state(assembly):
         for name, fmu in fmus.items():
-            arrays[f"fmu.{name}"] = np.frombuffer(fmu.save_state(), dtype=np.uint8)
+            arrays[f"fmu.{name}"] = np.frombuffer(fmu.states.save(), dtype=np.uint8)
     bundles: list[Any] = []
     for number in range(len(assembly.wiring.bundles)):
         values, tables = program.packets.save(number)
@@ -117,7 +117,7 @@ def put_back(
     kernel = program.kernel
     try:
         for name, fmu in fmus.items():
-            fmu.load_state(arrays[f"fmu.{name}"].tobytes())
+            fmu.states.load(arrays[f"fmu.{name}"].tobytes())
         program.cells[:] = arrays["cells"]
         program.texts.load(arrays)
         program.channels.take_back()

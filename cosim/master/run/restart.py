@@ -73,8 +73,8 @@ class Restart:
         fmu = self._fmus[place]
         try:
             ready = [
-                *fmu.assignments(participant.parameters),
-                *fmu.assignments(participant.start),
+                *fmu.values.assignments(participant.parameters),
+                *fmu.values.assignments(participant.start),
             ]
         except (ValueError, TypeError, OverflowError, ctypes.ArgumentError):
             return False

@@ -184,7 +184,7 @@ def test_a_message_after_the_end_harms_nothing(tmp_path: Path, version: int) -> 
     log = {2: library().kernel_log_fmi2, 3: library().kernel_log_fmi3}[version]
     with assemble(scenario_of(tmp_path, scenario(speaker(tmp_path, version, "", 0)))) as simulation:
         simulation.run()
-        environment = ctypes.c_void_p(simulation.fmus["f"]._log.address)
+        environment = ctypes.c_void_p(simulation.fmus["f"]._residence.log.address)
     status, text = ctypes.c_int(ERROR), ctypes.c_char_p(b"late")
     if version == 2:
         log(environment, None, status, None, text)

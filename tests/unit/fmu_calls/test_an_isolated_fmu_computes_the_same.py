@@ -101,7 +101,7 @@ def test_its_own_reason_reaches_the_sentence_and_the_log(tmp_path: Path) -> None
 
 
 def killed(simulation: Simulation, name: str) -> int:
-    process = simulation.fmus[name]._process
+    process = simulation.fmus[name]._residence.process
     assert process is not None
     os.kill(process._process.pid, signal.SIGKILL)
     return process._process.pid
@@ -115,7 +115,7 @@ def test_a_death_between_two_ticks_costs_a_sentence_and_the_rest_is_closed(tmp_p
         killed(simulation, "a")
         with pytest.raises(RunError, match=r"a crashed \(SIGKILL: killed\) .* at tick 100"):
             simulation.advance(200)
-        other = simulation.fmus["b"]._process
+        other = simulation.fmus["b"]._residence.process
         assert other is not None
     assert other._process.returncode == 0
     assert simulation.died == ""

@@ -16,8 +16,9 @@ from cosim.base.component import VariableType
 from cosim.base.errors import InputError
 from cosim.master.fmu import fmi2, fmi3, state
 from cosim.master.fmu.binding import Prototype
-from cosim.master.fmu.instance import Fmu, find_binary
+from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.library import take_library
+from cosim.master.fmu.loaded.binary import find_binary
 from cosim.master.fmu.reading import read_description
 from cosim.master.kernel.build import find_kernel
 from cosim.master.run.simulation import assemble

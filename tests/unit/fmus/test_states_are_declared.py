@@ -44,7 +44,7 @@ def test_what_is_not_declared_never_changes(name: str, sets: tuple[str, ...]) ->
 
 def words(simulation: object) -> dict[str, np.ndarray]:
     fmus = simulation.fmus  # type: ignore[attr-defined]
-    return {name: np.frombuffer(fmu.save_state(), np.int64) for name, fmu in fmus.items()}
+    return {name: np.frombuffer(fmu.states.save(), np.int64) for name, fmu in fmus.items()}
 
 
 def test_numbers_lie_where_the_compiler_put_them() -> None:
@@ -54,7 +54,7 @@ def test_numbers_lie_where_the_compiler_put_them() -> None:
         simulation.start()
         simulation.advance(40)
         fmu = simulation.fmus["vr_a"]
-        found = np.frombuffer(fmu.save_state(), np.int64)
+        found = np.frombuffer(fmu.states.save(), np.int64)
         declared = DeclaredState(fmu.description, found)
         live = [one.path for one in declared.live]
         values = found.view(np.float64)[declared.places(found)]
@@ -62,6 +62,6 @@ def test_numbers_lie_where_the_compiler_put_them() -> None:
         assert values[live.index("environment.box.pose.x")] == pose != 0.0
         newest = values[live.index("own.finger[0].samples.value of age 1[0]")]
         finger = simulation.fmus["finger_a1"]
-        state = np.frombuffer(finger.save_state(), np.int64)
+        state = np.frombuffer(finger.states.save(), np.int64)
         angle = DeclaredState(finger.description, state).value(state, "joint_angle[1]")
         assert newest == pytest.approx(angle, abs=1e-3)

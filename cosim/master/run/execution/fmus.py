@@ -13,7 +13,7 @@ from functools import partial
 from cosim.base.errors import RunError
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.fmu.instance import Fmu
-from cosim.master.fmu.isolation.isolated import ProcessEnded
+from cosim.master.fmu.isolation.isolated import GONE, ProcessEnded
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.fmu.surroundings import Surroundings
@@ -134,7 +134,7 @@ class RunningFmus:
             yield
         except ProcessEnded as ended:
             component, doing = self._whereabouts.sentence(self.assembly.scenario)
-            self.all[component].is_lost = True
+            self.all[component].judge(GONE)
             raise RunError(f"{component} {ended.manner} {doing}") from None
         finally:
             for what in before.put_back() if before is not None else ():
@@ -192,7 +192,7 @@ class RunningFmus:
                     fmu.instantiate()
                 else:
                     fmu.renew(failed=name in self._failed)
-                fmu.configure(participant.parameters)
-                fmu.set_values(participant.parameters)
-                fmu.set_values(participant.start)
+                fmu.values.configure(participant.parameters)
+                fmu.values.set(participant.parameters)
+                fmu.values.set(participant.start)
         self._failed.clear()

@@ -1,0 +1,1 @@
+"""What a loaded FMU consists of: where it lives, how it behaves, its texts and its states."""
