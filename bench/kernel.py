@@ -24,7 +24,8 @@ import numpy as np
 from rings import scenario as ring  # bench/rings.py, beside this file
 
 from cosim.base.recording import MemorySink
-from cosim.master.kernel.structures import OperationKind, OperationStruct
+from cosim.master.kernel.codes import OperationKind
+from cosim.master.kernel.structures import OperationStruct
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
 from fmus.compiler import compile_library, host_platform

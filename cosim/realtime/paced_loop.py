@@ -16,9 +16,9 @@ from cosim.base.errors import CohapticError, RunError
 from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.channels.packets import BLOCK
 from cosim.master.components.blame import told
+from cosim.master.kernel.codes import KernelOutcome
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Program
-from cosim.master.kernel.structures import KernelOutcome
 from cosim.master.run.diagnosis import moment
 from cosim.master.run.execution.loop import Drive
 from cosim.master.run.guard import StatusReturnedError, guarded

@@ -11,7 +11,7 @@ from cosim.master.assembly.plan import Act, Part, Plan
 from cosim.master.assembly.wiring import Held, Signal, Source, Wiring
 from cosim.master.components.clocks import age_of
 from cosim.master.components.interface import size_of
-from cosim.master.kernel.structures import CLOCK_AGE, CLOCK_CELLS, CLOCK_COUNT
+from cosim.master.kernel.codes import CLOCK_AGE, CLOCK_CELLS, CLOCK_COUNT
 
 
 @dataclass(slots=True)

@@ -23,7 +23,7 @@ from cosim.master.fmu.loaded.states import States
 from cosim.master.fmu.loaded.texts import TextCalls
 from cosim.master.fmu.loaded.values import GivenValues
 from cosim.master.fmu.log import Said
-from cosim.master.kernel.structures import RestartStruct
+from cosim.master.kernel.fmu_structures import RestartStruct
 
 
 class Fmu:

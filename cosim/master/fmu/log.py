@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from weakref import finalize
 
+from cosim.master.kernel.fmu_structures import LogStruct
 from cosim.master.kernel.native import library
-from cosim.master.kernel.structures import LogStruct
 
 _BYTES = 8192
 _LAST_LINES = 3

@@ -15,12 +15,8 @@ from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.plan import Part
 from cosim.master.channels.texts import Speaking
 from cosim.master.components.interface import size_of
-from cosim.master.kernel.structures import (
-    FMI2_TYPE_CODES,
-    TYPE_CODES,
-    OperationKind,
-    OperationStruct,
-)
+from cosim.master.kernel.codes import FMI2_TYPE_CODES, TYPE_CODES, OperationKind
+from cosim.master.kernel.structures import OperationStruct
 from cosim.master.kernel.written import Accessor, WrittenOperation
 
 

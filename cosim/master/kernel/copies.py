@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 from cosim.master.assembly.layout import Layout
 from cosim.master.assembly.wiring import Wire, Wiring
-from cosim.master.kernel.structures import ConversionStruct, OperationKind, OperationStruct
+from cosim.master.kernel.codes import OperationKind
+from cosim.master.kernel.structures import ConversionStruct, OperationStruct
 from cosim.master.kernel.written import WrittenOperation, with_table
 
 

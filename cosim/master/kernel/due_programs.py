@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.plan import Plan, due_together
+from cosim.master.kernel.codes import OperationKind
 from cosim.master.kernel.operations import Operations
-from cosim.master.kernel.structures import KernelStruct, OperationKind
+from cosim.master.kernel.structures import KernelStruct
 
 INITIAL = 0
 """The number of the program of initialisation mode."""

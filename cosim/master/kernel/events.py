@@ -13,13 +13,8 @@ from cosim.base.component import Causality
 from cosim.master.assembly.layout import Layout
 from cosim.master.components.clocks import ClockFacts, EventFacts
 from cosim.master.components.interface import Interface
-from cosim.master.kernel.structures import (
-    CLOCK_CELLS,
-    ClockKind,
-    EventAccessStruct,
-    EventClockStruct,
-    EventsStruct,
-)
+from cosim.master.kernel.codes import CLOCK_CELLS, ClockKind
+from cosim.master.kernel.event_structures import EventAccessStruct, EventClockStruct, EventsStruct
 
 _FUNCTIONS = ("enter", "leave", "update", "set_clock", "get_clock", "get_interval", "get_shift")
 _KINDS = {

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from cosim.base.errors import RunError
-from cosim.master.kernel.structures import LogStruct
+from cosim.master.kernel.fmu_structures import LogStruct
 
 ABI = 9
 

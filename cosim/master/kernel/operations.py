@@ -17,8 +17,9 @@ from cosim.master.channels.texts import CarriedTexts
 from cosim.master.components.interface import size_of
 from cosim.master.components.playing import rows_to_play
 from cosim.master.kernel.accesses import Accesses, Native
+from cosim.master.kernel.codes import OperationKind
 from cosim.master.kernel.copies import Copies
-from cosim.master.kernel.structures import OperationKind, OperationStruct
+from cosim.master.kernel.structures import OperationStruct
 from cosim.master.kernel.turning import Turning
 from cosim.master.kernel.written import Accessor, Call, WrittenOperation, with_table
 

@@ -20,6 +20,7 @@ from cosim.master.channels.texts import CarriedTexts
 from cosim.master.channels.turning import TurnedChannels, dials_of
 from cosim.master.components.interface import size_of
 from cosim.master.kernel.accesses import Native
+from cosim.master.kernel.codes import KernelOutcome
 from cosim.master.kernel.due_programs import DuePrograms
 from cosim.master.kernel.event_operations import write_events
 from cosim.master.kernel.events import EventStructures
@@ -27,7 +28,6 @@ from cosim.master.kernel.native import library
 from cosim.master.kernel.operations import Operations
 from cosim.master.kernel.structures import (
     InstanceStruct,
-    KernelOutcome,
     KernelStruct,
     OperationStruct,
     RecordStruct,

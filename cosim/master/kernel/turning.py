@@ -15,15 +15,8 @@ from cosim.base.component import VariableType
 from cosim.master.assembly.knobs import Knob, Name, Turn
 from cosim.master.assembly.layout import Layout
 from cosim.master.components.interface import size_of
-from cosim.master.kernel.structures import (
-    FMI2_TYPE_CODES,
-    TYPE_CODES,
-    ChangeStruct,
-    KernelStruct,
-    KnobStruct,
-    OperationKind,
-    OperationStruct,
-)
+from cosim.master.kernel.codes import FMI2_TYPE_CODES, TYPE_CODES, OperationKind
+from cosim.master.kernel.structures import ChangeStruct, KernelStruct, KnobStruct, OperationStruct
 
 
 class Settable(Protocol):

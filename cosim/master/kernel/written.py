@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.component import VariableType
-from cosim.master.kernel.structures import OperationKind, OperationStruct
+from cosim.master.kernel.codes import OperationKind
+from cosim.master.kernel.structures import OperationStruct
 
 
 @dataclass(frozen=True, slots=True)

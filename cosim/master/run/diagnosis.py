@@ -11,13 +11,8 @@ from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.isolation.isolated import GONE
 from cosim.master.fmu.log import STATUS_NAMES
+from cosim.master.kernel.codes import EventCall, EventFault, KernelOutcome, OperationKind
 from cosim.master.kernel.program import Program
-from cosim.master.kernel.structures import (
-    EventCall,
-    EventFault,
-    KernelOutcome,
-    OperationKind,
-)
 from cosim.master.run.whereabouts import AT_EVENTS
 
 _DID = {

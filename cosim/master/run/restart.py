@@ -14,8 +14,8 @@ from cosim.master.components.participants import Participant
 from cosim.master.fmu.binding import Assignment
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.refusal import placed_refusal
+from cosim.master.kernel.fmu_structures import RestartStruct, SettingStruct
 from cosim.master.kernel.native import library
-from cosim.master.kernel.structures import RestartStruct, SettingStruct
 from cosim.scenario import Scenario
 
 Times = Mapping[str, tuple[float, float]]

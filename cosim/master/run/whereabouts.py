@@ -6,7 +6,8 @@ import ctypes
 import mmap
 from typing import Any
 
-from cosim.master.kernel.structures import EventCall, KernelStruct, OperationKind
+from cosim.master.kernel.codes import EventCall, OperationKind
+from cosim.master.kernel.structures import KernelStruct
 from cosim.scenario import Kind as ComponentKind
 from cosim.scenario import Scenario
 

@@ -12,9 +12,15 @@ from enum import IntEnum
 
 import pytest
 
-from cosim.master.kernel import build, native, structures
+from cosim.master.kernel import build, codes, event_structures, fmu_structures, native, structures
 from fmus.compiler import compile_library, host_platform
 
+MIRRORS: dict[str, type[ctypes.Structure]] = {
+    name.removesuffix("Struct"): value
+    for module in (structures, event_structures, fmu_structures)
+    for name, value in vars(module).items()
+    if name.endswith("Struct")
+}
 HEADERS = [build.SOURCES / name for name in ("kernel.h", "events.h")]
 TEXT = re.sub(
     r"/\*.*?\*/",
@@ -77,13 +83,12 @@ def _folder(tmp_path_factory: pytest.TempPathFactory) -> None:
 def test_the_header_was_read_whole() -> None:
     assert len(STRUCTS) == TEXT.count("typedef struct") > 0
     assert len(ENUMS) == TEXT.count("typedef enum") > 0
-    mirrored = {name.removesuffix("Struct") for name in vars(structures) if name.endswith("Struct")}
-    assert mirrored == set(STRUCTS)
+    assert set(MIRRORS) == set(STRUCTS)
 
 
 @pytest.mark.parametrize("name", STRUCTS)
 def test_a_structure_lies_where_the_compiler_puts_it(name: str) -> None:
-    assert in_python(getattr(structures, f"{name}Struct"), name) == layout(name, STRUCTS[name])
+    assert in_python(MIRRORS[name], name) == layout(name, STRUCTS[name])
 
 
 def test_a_wrong_structure_is_noticed() -> None:
@@ -100,11 +105,11 @@ def test_a_wrong_structure_is_noticed() -> None:
 @pytest.mark.parametrize(
     ("name", "mirror"),
     [
-        ("Outcome", structures.KernelOutcome),
-        ("Kind", structures.OperationKind),
-        ("EventCall", structures.EventCall),
-        ("EventFault", structures.EventFault),
-        ("ClockKind", structures.ClockKind),
+        ("Outcome", codes.KernelOutcome),
+        ("Kind", codes.OperationKind),
+        ("EventCall", codes.EventCall),
+        ("EventFault", codes.EventFault),
+        ("ClockKind", codes.ClockKind),
     ],
 )
 def test_constants_have_the_headers_values(name: str, mirror: type[IntEnum]) -> None:
@@ -119,15 +124,15 @@ def test_constants_have_the_headers_values(name: str, mirror: type[IntEnum]) -> 
     ) == [
         native.ABI,
         8,
-        structures.CLOCK_CELLS,
-        structures.CLOCK_COUNT,
-        structures.CLOCK_AGE,
+        codes.CLOCK_CELLS,
+        codes.CLOCK_COUNT,
+        codes.CLOCK_AGE,
     ]
 
 
 def test_types_have_the_headers_codes() -> None:
     names = ENUMS["Type"]
-    codes = dict(zip(names, _compiled(list(names), len(names)), strict=True))
-    for kind, code in structures.TYPE_CODES.items():
+    numbers = dict(zip(names, _compiled(list(names), len(names)), strict=True))
+    for kind, code in codes.TYPE_CODES.items():
         name = {"ENUMERATION": "INT64"}.get(kind.name, kind.name)
-        assert codes[f"TYPE_{name}"] == code
+        assert numbers[f"TYPE_{name}"] == code

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from cosim.master.fmu.log import Log
+from cosim.master.kernel.fmu_structures import ExchangeStruct, IsolationStruct
 from cosim.master.kernel.native import function_address
-from cosim.master.kernel.structures import ExchangeStruct, IsolationStruct
 
 _NOTE_BYTES = 256
 _LOG_BYTES = 32768

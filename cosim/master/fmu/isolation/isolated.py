@@ -25,8 +25,8 @@ from cosim.base.system.manner import manner
 from cosim.master.fmu.binding import EVENT_FUNCTIONS, OK
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.log import Log
+from cosim.master.kernel.codes import FMI2_TYPE_CODES, TYPE_CODES
 from cosim.master.kernel.native import library
-from cosim.master.kernel.structures import FMI2_TYPE_CODES, TYPE_CODES
 
 GONE = 100
 """The kernel's status for a call whose process has ended (``isolation.h``)."""

@@ -24,8 +24,8 @@ from cosim.master.fmu.fmi3 import TYPES as TYPES3
 from cosim.master.fmu.fmi3 import Fmi3
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.library import take_library
+from cosim.master.kernel.codes import FMI2_TYPE_CODES, TYPE_CODES
 from cosim.master.kernel.native import function_address, library
-from cosim.master.kernel.structures import FMI2_TYPE_CODES, TYPE_CODES
 
 _PR_SET_PDEATHSIG = 1
 _OF_EVENTS = 25

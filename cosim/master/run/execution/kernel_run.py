@@ -11,10 +11,10 @@ from cosim.base.recording import RecordGroup, Rows, Sink
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.python_component import sentences
 from cosim.master.fmu.refusal import placed_refusal
+from cosim.master.kernel.codes import KernelOutcome as Stop
 from cosim.master.kernel.due_programs import INITIAL
 from cosim.master.kernel.native import library
 from cosim.master.kernel.program import Program
-from cosim.master.kernel.structures import KernelOutcome as Stop
 from cosim.master.run.diagnosis import explain, moment
 from cosim.master.run.execution.fmus import RunningFmus
 from cosim.master.run.guard import StatusReturnedError, guarded

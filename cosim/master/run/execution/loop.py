@@ -8,8 +8,8 @@ from typing import Protocol
 
 from cosim.base.component import Component
 from cosim.base.recording import RecordGroup, Sink
+from cosim.master.kernel.codes import KernelOutcome
 from cosim.master.kernel.program import Program
-from cosim.master.kernel.structures import KernelOutcome
 from cosim.master.run.execution.kernel_run import LONGEST_CHUNK, KernelRun
 from cosim.master.run.interrupt import Wish
 
