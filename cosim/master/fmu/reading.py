@@ -12,10 +12,11 @@ from cosim.base import component, meaning
 from cosim.base.quantities import units
 from cosim.base.system.store import keep, recall
 from cosim.master.components import clocks
-from cosim.master.fmu import description as parser
-from cosim.master.fmu import meanings, plain_description, rules
+from cosim.master.fmu import description, meanings, plain_description, rules
 from cosim.master.fmu.archive import sha256_of, unpack
-from cosim.master.fmu.description import FmuDescription, parse_description
+from cosim.master.fmu.description import FmuDescription
+from cosim.master.fmu.parsing import model_structure, parse, variables
+from cosim.master.fmu.parsing.parse import parse_description
 from cosim.master.fmu.plain_description import from_plain, to_plain
 
 
@@ -54,7 +55,8 @@ def _read(
 @cache
 def _readers() -> tuple[object, ...]:
     """What a kept description depends on besides the FMU: the code that made it."""
-    modules = (parser, plain_description, rules, meanings, clocks, component, meaning, units)
+    parsers = (parse, variables, model_structure, description, plain_description)
+    modules = (*parsers, rules, meanings, clocks, component, meaning, units)
     own = [Path(str(module.__file__)) for module in modules]
     state = hashlib.sha256()
     for source in own:

@@ -158,7 +158,7 @@ def test_a_value_that_its_type_cannot_hold_never_reaches_the_fmu(
         fmu._bound.set_values(kind, 1, [value])
     name = next(n for n, v in description.variables.items() if v.type is VariableType.INT32)
     with pytest.raises(InputError, match=rf"c: {name} = {2**31} does not fit its type, Int32"):
-        fmu.set_values({name: [2**31]})
+        fmu.values.set({name: [2**31]})
     fmu.close()
 
 

@@ -1,0 +1,1 @@
+"""From an FMU's XML to its description."""
