@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from fmus.shared.workstation import state as kept
-from fmus.shared.workstation import variables as workstation
-from fmus.shared.workstation.variables import PEERS
-from fmus.shared.world import environment
+from fmus.shared.workstation.deadband import packet_counters
+from fmus.shared.workstation.fingers import finger_group, finger_terminals
+from fmus.shared.workstation.packets import packet_inputs, packet_outputs, packet_terminal
+from fmus.shared.workstation.peers import PEERS, peer_contact_outputs, peer_inputs
+from fmus.shared.workstation.station import station_parameters
+from fmus.shared.workstation.waves import wave_members, wave_parameters
+from fmus.shared.world import couplers, environment
 from fmus.table import Group, Model
 
 _CLIENTS = ("client_?.*", "peer_weight", "peer_valid", "peer_age")
 
 _CLIENT = (
-    *workstation.packet_inputs(motion=True, box=False, force=False),
-    *workstation.wave_members(sent=False),
+    *packet_inputs(motion=True, box=False, force=False),
+    *wave_members(sent=False),
 )
 _TO_CLIENT = (
-    *workstation.packet_outputs(motion=False, box=True, force=_CLIENTS),
-    *workstation.wave_members(sent=True),
+    *packet_outputs(motion=False, box=True, force=_CLIENTS),
+    *wave_members(sent=True),
 )
 
 MODEL = Model(
@@ -24,27 +28,27 @@ MODEL = Model(
     description="Server of the centralized architecture: simulates the only box, with own fingers "
     "at the control rate and its clients' held between packets, and sends their forces back",
     variables=(
-        *workstation.station_parameters(),
-        *workstation.wave_parameters(),
-        *environment.coupler_parameters(
-            environment.TABLE_8_1,
-            environment.REMOTE_8_2,
+        *station_parameters(),
+        *wave_parameters(),
+        *couplers.coupler_parameters(
+            couplers.TABLE_8_1,
+            couplers.REMOTE_8_2,
             "Thesis, Table 8.1",
             "Thesis 8.2, what the remote user is given so that the loop is stable; Table 8.1 has "
             "the local values here",
         ),
-        environment.compensation_group(),
+        couplers.compensation_group(),
         *environment.box_parameters(),
         *environment.peer_parameters(),
         environment.wall_group(),
-        workstation.finger_group((), *environment.finger_contact_outputs()),
-        *workstation.packet_counters(_CLIENTS),
-        *workstation.peer_inputs(),
+        finger_group((), *environment.finger_contact_outputs()),
+        *packet_counters(_CLIENTS),
+        *peer_inputs(),
         Group("client", _CLIENT, count=PEERS, numbers="peer"),
         Group("to_client", _TO_CLIENT, count=PEERS),
         Group(
             "client_contact",
-            workstation.peer_contact_outputs(_CLIENTS, "client"),
+            peer_contact_outputs(_CLIENTS, "client"),
             count=PEERS,
             numbers="peer",
         ),
@@ -82,15 +86,13 @@ MODEL = Model(
         "five_bar.c",
     ),
     terminals=(
-        *workstation.finger_terminals(),
+        *finger_terminals(),
         *(
             terminal
             for p in range(1, PEERS + 1)
             for terminal in (
-                workstation.packet_terminal(f"client_{p}", f"What client {p} says", _CLIENT),
-                workstation.packet_terminal(
-                    f"to_client_{p}", f"What client {p} is told", _TO_CLIENT
-                ),
+                packet_terminal(f"client_{p}", f"What client {p} says", _CLIENT),
+                packet_terminal(f"to_client_{p}", f"What client {p} is told", _TO_CLIENT),
             )
         ),
     ),

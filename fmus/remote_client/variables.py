@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from fmus.shared.workstation import state as kept
-from fmus.shared.workstation import variables as workstation
-from fmus.shared.workstation.variables import (
-    ALL_FINGER_INPUTS,
-    BOX_POSE,
-    POSE,
-    VELOCITY,
-    planar,
-    real,
-)
+from fmus.shared.workstation.deadband import packet_counters
+from fmus.shared.workstation.fingers import ALL_FINGER_INPUTS, finger_group, finger_terminals
+from fmus.shared.workstation.packets import packet_inputs, packet_outputs, packet_terminal
+from fmus.shared.workstation.peers import peer_inputs
+from fmus.shared.workstation.short_forms import BOX_POSE, POSE, VELOCITY, planar, real
+from fmus.shared.workstation.station import station_parameters
+from fmus.shared.workstation.waves import wave_members, wave_parameters
 from fmus.state import words
 from fmus.table import Group, Model
 
 _UP = (
-    *workstation.packet_outputs(motion=True, box=False),
-    *workstation.wave_members(sent=True, depends_on=ALL_FINGER_INPUTS),
+    *packet_outputs(motion=True, box=False),
+    *wave_members(sent=True, depends_on=ALL_FINGER_INPUTS),
 )
 _DOWN = (
-    *workstation.packet_inputs(motion=False, box=True, force=True),
-    *workstation.wave_members(sent=False),
+    *packet_inputs(motion=False, box=True, force=True),
+    *wave_members(sent=False),
 )
 _BOX = ("down.box_*",)
 
@@ -30,8 +28,8 @@ MODEL = Model(
     description="Client of the centralized architecture: sends its fingers' motion to the server "
     "and renders the forces that come back, held between packets",
     variables=(
-        *workstation.station_parameters(peers=False),
-        *workstation.wave_parameters(),
+        *station_parameters(peers=False),
+        *wave_parameters(),
         real(
             "local_damping",
             "Damping of the own fingers that replaces the received force as the weight of the "
@@ -48,7 +46,7 @@ MODEL = Model(
             minimum=0.0,
         ),
         real("deadband_damping", "Of the same coupler", "N.s/m", 3.0, minimum=0.0),
-        workstation.finger_group(
+        finger_group(
             (
                 "down.finger_?_force",
                 "down.finger_?_wave",
@@ -57,8 +55,8 @@ MODEL = Model(
                 "peer_valid",
             )
         ),
-        *workstation.packet_counters(),
-        *workstation.peer_inputs(peers=1),
+        *packet_counters(),
+        *peer_inputs(peers=1),
         Group("down", _DOWN, numbers="peer"),
         Group("up", _UP),
         planar("box_pose", "Pose of the server's box, for display", POSE, _BOX, meaning=BOX_POSE),
@@ -90,8 +88,8 @@ MODEL = Model(
         "five_bar.c",
     ),
     terminals=(
-        *workstation.finger_terminals(),
-        workstation.packet_terminal("up", "What the server is told", _UP),
-        workstation.packet_terminal("down", "What the server says", _DOWN),
+        *finger_terminals(),
+        packet_terminal("up", "What the server is told", _UP),
+        packet_terminal("down", "What the server says", _DOWN),
     ),
 )

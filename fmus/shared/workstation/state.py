@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fmus.shared.workstation.variables import FINGERS, PEERS
+from fmus.shared.workstation.fingers import FINGERS
+from fmus.shared.workstation.peers import PEERS
 from fmus.state import Kept, KeptReal, KeptRing, reals, words
 
 LONGEST_WINDOW = 32

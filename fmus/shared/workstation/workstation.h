@@ -1,6 +1,6 @@
 /* Between a workstation model's variables and the shared C. Included by a model after its generated
  * header, because each model has its own struct Variables; the names are those of
- * fmus/shared/workstation/variables.py. */
+ * fmus/shared/workstation/{station,fingers,peers}.py. */
 #ifndef COHAPTIC_WORKSTATION_H
 #define COHAPTIC_WORKSTATION_H
 
