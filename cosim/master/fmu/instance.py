@@ -8,12 +8,7 @@ from typing import cast
 
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError
-from cosim.master.fmu.binding import (
-    FATAL,
-    OK,
-    WARNING,
-    Binding,
-)
+from cosim.master.fmu.binding import FATAL, OK, WARNING, Binding
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from cosim.base.meaning import Meaning
 from fmus.shared.workstation.fingers import ALL_FINGER_INPUTS
-from fmus.shared.workstation.short_forms import (
-    integer,
-    output,
-    real,
-)
+from fmus.shared.workstation.short_forms import integer, output, real
 from fmus.table import ModelVariable
 
 

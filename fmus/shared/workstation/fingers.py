@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from cosim.base.meaning import Meaning
 from fmus.shared.mechanism.device import device_choice, device_parameters, placement_parameters
-from fmus.shared.workstation.short_forms import (
-    output,
-    real,
-    signal,
-    switch,
-)
+from fmus.shared.workstation.short_forms import output, real, signal, switch
 from fmus.table import Group, ModelVariable, Terminal
 
 FINGERS = 2

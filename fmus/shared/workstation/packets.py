@@ -6,10 +6,7 @@ from dataclasses import replace
 
 from cosim.base.meaning import Meaning
 from fmus.shared.workstation.fingers import ALL_FINGER_INPUTS, FINGERS
-from fmus.shared.workstation.short_forms import (
-    output,
-    signal,
-)
+from fmus.shared.workstation.short_forms import output, signal
 from fmus.table import ModelVariable, Terminal
 
 _BOX = (

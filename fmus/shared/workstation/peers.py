@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.shared.workstation.choices import (
-    CONTACT_STATE,
-)
+from fmus.shared.workstation.choices import CONTACT_STATE
 from fmus.shared.workstation.fingers import FINGERS
-from fmus.shared.workstation.short_forms import (
-    output,
-)
+from fmus.shared.workstation.short_forms import output
 from fmus.table import ModelVariable
 
 PEERS = 3

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.shared.workstation.choices import (
-    PASSIVITY,
-    VELOCITY_ESTIMATOR,
-)
+from fmus.shared.workstation.choices import PASSIVITY, VELOCITY_ESTIMATOR
 from fmus.shared.workstation.deadband import deadband_parameters
 from fmus.shared.workstation.fingers import FINGERS
 from fmus.shared.workstation.peers import PEERS
-from fmus.shared.workstation.short_forms import (
-    choice,
-    integer,
-    real,
-)
+from fmus.shared.workstation.short_forms import choice, integer, real
 from fmus.table import ModelVariable
 
 

@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.shared.workstation.choices import (
-    FORCE_CHANNEL,
-)
+from fmus.shared.workstation.choices import FORCE_CHANNEL
 from fmus.shared.workstation.fingers import FINGERS
-from fmus.shared.workstation.short_forms import (
-    choice,
-    output,
-    real,
-    signal,
-)
+from fmus.shared.workstation.short_forms import choice, output, real, signal
 from fmus.table import ModelVariable
 
 

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.shared.workstation.short_forms import (
-    choice,
-    real,
-    switch,
-)
+from fmus.shared.workstation.short_forms import choice, real, switch
 from fmus.table import Enumeration, Group, Item, ModelVariable
 
 PUSH = Enumeration(

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
-from fmus.shared.workstation.choices import (
-    CONTACT_STATE,
-)
+from fmus.shared.workstation.choices import CONTACT_STATE
 from fmus.shared.workstation.fingers import FINGER_INPUTS
 from fmus.shared.workstation.short_forms import (
     BOX_POSE,

@@ -5,10 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cosim.base.errors import InputError
-from cosim.master.fmu.binding import (
-    library_suffix,
-    platform_folder,
-)
+from cosim.master.fmu.binding import library_suffix, platform_folder
 from cosim.master.fmu.description import FmuDescription
 
 

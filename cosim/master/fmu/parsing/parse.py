@@ -13,9 +13,7 @@ from cosim.base.component import Variable
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import exact
 from cosim.base.quantities.units import BASES, Unit, unit_of
-from cosim.master.components.clocks import (
-    read_clocks,
-)
+from cosim.master.components.clocks import read_clocks
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.meanings import NOTHING, read_meanings
 from cosim.master.fmu.parsing.model_structure import (

@@ -1,0 +1,1 @@
+"""What connections are made of: matched elements, conversions of values, bundles of packets."""
