@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.base.wildcard import compile_wildcard, is_wild
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal
 
 MOST = 32
 """Traces in a figure; more is no picture."""

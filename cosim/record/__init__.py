@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from cosim.record.digest import digest
-from cosim.record.reader import RecordedSignal, Run, open_run
+from cosim.record.reader import Run, open_run
+from cosim.record.signals import RecordedSignal
 
 __all__ = ["RecordedSignal", "Run", "digest", "open_run"]

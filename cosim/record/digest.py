@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cosim.record.reader import Run, SignalGroup
+from cosim.record.reader import Run
+from cosim.record.signals import SignalGroup
 
 
 def digest(run: Run) -> str:

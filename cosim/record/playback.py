@@ -13,7 +13,8 @@ from cosim.base.component import Causality, Cells, Component, Role, Setup, Varia
 from cosim.base.errors import InputError, RunError
 from cosim.base.suggest import did_you_mean
 from cosim.base.texts import TextCells
-from cosim.record.reader import RUN_FILE, Values, open_run
+from cosim.record.reader import RUN_FILE, open_run
+from cosim.record.signals import Values
 from cosim.record.texts.recorded import RecordedText
 from cosim.scenario import Kind, Scenario
 from cosim.scenario import ScenarioComponent as Written

@@ -8,198 +8,37 @@ from __future__ import annotations
 
 import importlib
 import json
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from cosim.base.meaning import Meaning, Slot
-from cosim.base.recording import Column
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
-from cosim.record.statistics import ColumnStatistics, ColumnSummary
+from cosim.record.signals import RecordedSignal, SignalGroup, Signals
 from cosim.record.stores import FileStore, GroupStore
 from cosim.record.texts.journal import read_texts
 from cosim.record.texts.recorded import RecordedText
+from cosim.record.times import RecordTimes
 
 RUN_FILE = "run.h5"
+
+
 MANIFEST_FILE = "manifest.json"
+
+
 SCENARIO_FILE = "scenario.resolved.yaml"
 
-Values = NDArray[np.float64] | NDArray[np.int64]
 
-BLOCK_ROWS = 8192
-"""Rows read at once by what goes through a whole record; a few seconds at 1024 Hz."""
 READABLE = range(1, FORMAT_VERSION + 1)
 """The formats of run.h5 that are read."""
-
-
-class SignalGroup:
-    """Signals recorded at one rate. ``name`` is the rate's; ``period`` is in base ticks."""
-
-    def __init__(self, run: Run, name: str, store: GroupStore) -> None:
-        self.run = run
-        self.name = name
-        self.period = store.period
-        self.rows = store.rows
-        self.capacity = store.capacity
-        """Rows that the file has room for; more than ``rows`` where a run was cut off."""
-        self._store = store
-
-    @property
-    def rate(self) -> Fraction:
-        """Rows a second (Hz)."""
-        return self.run.base_rate / self.period
-
-    @cached_property
-    def signals(self) -> Mapping[str, RecordedSignal]:
-        """The group's signals by name, in the order in which they were recorded."""
-        return Signals(
-            self._store.names, lambda name: RecordedSignal(self, *self._store.place(name))
-        )
-
-    @cached_property
-    def texts(self) -> Mapping[str, RecordedText]:
-        """The group's Strings and Binaries by name, as far as its rows are complete."""
-        end = self.rows * self.period
-        return MappingProxyType({text.name: text.before(end) for text in self._store.texts()})
-
-    @property
-    def ticks(self) -> NDArray[np.int64]:
-        """Base tick of every row, shape (rows,), read from the file at each call."""
-        return self.ticks_of(0, self.rows)
-
-    def ticks_of(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Base ticks of rows ``start`` to ``stop``; only those are read."""
-        return self._store.ticks(start, min(stop, self.rows))
-
-    @property
-    def time(self) -> NDArray[np.float64]:
-        """Time of every row (s), shape (rows,): the tick counted from 0 s over the base rate."""
-        return self.run.seconds(self.ticks)
-
-    def first_row_at(self, tick: int) -> int:
-        """The first row whose tick is ``tick`` or later; ``rows`` if there is none."""
-        if self._is_regular:
-            return min(max(-(-tick // self.period), 0), self.rows)
-        ticks = self._store.ticks
-        return bisect_left(range(self.rows), tick, key=lambda row: int(ticks(row, row + 1)[0]))
-
-    @cached_property
-    def _is_regular(self) -> bool:
-        """Whether row i is that of tick i · period: rows come in order, a period apart at least."""
-        if self.rows == 0:
-            return True
-        first, last = (int(self._store.ticks(row, row + 1)[0]) for row in (0, self.rows - 1))
-        return first == 0 and last == (self.rows - 1) * self.period
-
-    def pieces(self, start: int = 0, stop: int | None = None) -> Iterator[tuple[int, int]]:
-        """Rows ``start`` to ``stop`` cut into ranges, so that a long run need not fit in memory."""
-        last = self.rows if stop is None else stop
-        for first in range(start, last, BLOCK_ROWS):
-            yield first, min(first + BLOCK_ROWS, last)
-
-
-class RecordedSignal:
-    """One recorded variable: float64, or int64 for integers, booleans and enumerations."""
-
-    def __init__(self, group: SignalGroup, column: Column, dataset: Any, row: int | None) -> None:
-        self.group = group
-        self.column = column
-        """What the master said about it when it was recorded."""
-        self._dataset = dataset
-        self._row = row
-
-    @property
-    def name(self) -> str:
-        """Component and variable."""
-        return self.column.name
-
-    @property
-    def unit(self) -> str:
-        """The FMI unit string; empty where the variable has none."""
-        return self.column.unit or ""
-
-    @property
-    def meaning(self) -> Meaning | None:
-        """What the signal means to those that look for it."""
-        return self.column.meaning
-
-    @property
-    def belongs_to(self) -> Slot:
-        """The peer and the finger whose it is."""
-        return self.column.belongs_to
-
-    @property
-    def description(self) -> str:
-        """What the component says about the variable."""
-        return self.column.description
-
-    @property
-    def is_float(self) -> bool:
-        """Whether the values are float64; otherwise they are int64."""
-        return self.column.is_float
-
-    @property
-    def values(self) -> Values:
-        """All values, shape (rows,), read from the file at each call."""
-        return self[:]
-
-    def __getitem__(self, rows: slice) -> Values:
-        """Some rows; only those are read."""
-        start, stop, step = rows.indices(self.group.rows)
-        place = slice(start, stop, step)
-        found = self._dataset[place if self._row is None else (self._row, place)]
-        return cast("Values", found)
-
-    def cells(self, start: int, stop: int) -> NDArray[np.int64]:
-        """Rows ``start`` to ``stop`` as raw cells: an int64, or the bits of a float64."""
-        return self[start:stop].view(np.int64)
-
-    def blocks(self, start: int = 0, stop: int | None = None) -> Iterator[Values]:
-        """The values of rows ``start`` to ``stop``, piece by piece."""
-        for first, last in self.group.pieces(start, stop):
-            yield self[first:last]
-
-    def summary(self) -> ColumnSummary:
-        """Statistics and envelope, from one pass over the file."""
-        statistics = ColumnStatistics(np.array([self.is_float]), max(1, self.group.rows))
-        for block in self.blocks():
-            statistics.update(np.ascontiguousarray(block).view(np.int64)[None])
-        return statistics.summary(0)
-
-
-class Signals(Mapping[str, RecordedSignal]):
-    """Signals by name; each is made when it is first asked for."""
-
-    def __init__(self, names: Iterable[str], make: Callable[[str], RecordedSignal]) -> None:
-        self._names = dict.fromkeys(names)
-        self._make = make
-        self._made: dict[str, RecordedSignal] = {}
-
-    def __getitem__(self, name: str) -> RecordedSignal:
-        if name not in self._made:
-            if name not in self._names:
-                raise KeyError(name)
-            self._made[name] = self._make(name)
-        return self._made[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
 
 
 class Run:
@@ -219,13 +58,13 @@ class Run:
         self.manifest: Mapping[str, Any] = manifest
         """What ran, where, and how it ended; see docs/record.md. Empty where there is none."""
         self._close = close
-        self._timed: tuple[NDArray[np.int64] | None, NDArray[np.float64]] = None, np.zeros(0)
+        self._times = RecordTimes(base_rate, start_tick)
         self.base_rate = base_rate
         """Base ticks a second (Hz)."""
         self.start_tick = start_tick
         """How many base ticks after time 0 the first one is."""
         self.groups: Mapping[str, SignalGroup] = MappingProxyType(
-            {name: SignalGroup(self, name, store) for name, store in stores.items()}
+            {name: SignalGroup(self._times, name, store) for name, store in stores.items()}
         )
 
     @cached_property
@@ -267,14 +106,7 @@ class Run:
 
     def seconds(self, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
         """Times (s) of base ticks: one division by the base rate, so rounded once."""
-        if ticks is self._timed[0]:
-            return self._timed[1]
-        rate = self.base_rate
-        since_0 = (ticks + self.start_tick) * rate.denominator
-        seconds = np.divide(since_0, rate.numerator, dtype=np.float64)
-        if not ticks.flags.writeable:  # they stay what they are
-            self._timed = ticks, seconds
-        return seconds
+        return self._times.seconds(ticks)
 
     @property
     def span(self) -> tuple[float, float]:

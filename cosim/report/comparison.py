@@ -12,7 +12,8 @@ from typing import Any, cast
 import numpy as np
 
 from cosim.base.document.yaml_reader import parse_yaml
-from cosim.record.reader import SCENARIO_FILE, Run, SignalGroup
+from cosim.record.reader import SCENARIO_FILE, Run
+from cosim.record.signals import SignalGroup
 from cosim.report.summary import SUMMARY_FILE
 
 Change = tuple[str, Any, Any]

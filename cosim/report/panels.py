@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.plot.style import COLOURS, legend_above, thickness
-from cosim.record.reader import Run, SignalGroup
+from cosim.record.reader import Run
+from cosim.record.signals import SignalGroup
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.report.platform import Contact, RecordedPlatform
 from cosim.report.target import Target, blocks

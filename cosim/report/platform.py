@@ -11,7 +11,8 @@ from weakref import WeakKeyDictionary
 
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal
 
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 TIP = (Meaning.FINGER_X, Meaning.FINGER_Y)

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.meaning import Meaning
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal
 from cosim.record.statistics import ColumnSummary
 from cosim.report.expectation import Expectation
 from cosim.report.judged import judge

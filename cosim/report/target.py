@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.record.reader import RecordedSignal, Run, Values
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal, Values
 
 
 @dataclass(frozen=True, slots=True)

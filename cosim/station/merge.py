@@ -15,7 +15,8 @@ from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.record.folder import new_folder
 from cosim.record.manifest import write_manifest
-from cosim.record.reader import RUN_FILE, SCENARIO_FILE, RecordedSignal, Run, open_run
+from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, open_run
+from cosim.record.signals import RecordedSignal
 from cosim.record.writer import Recorder
 from cosim.station.measured import write_traces
 

@@ -23,7 +23,8 @@ from cosim.record.export.mcap import write_mcap
 from cosim.record.export.mdf import write_mdf
 from cosim.record.export.table import Span, Table, needed
 from cosim.record.export.texts import ChangeTable, text_tables
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal
 
 MATLAB_NAME_LENGTH = 63
 """Longest name of a struct's field in MATLAB."""

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
-from cosim.record.reader import RecordedSignal, Run, Values
+from cosim.record.reader import Run
+from cosim.record.signals import RecordedSignal, Values
 
 Span = tuple[int, int | None]
 """Base ticks from the first to the one after the last; without that to the end."""

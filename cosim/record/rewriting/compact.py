@@ -10,7 +10,8 @@ import numpy as np
 
 from cosim.base.recording import RecordGroup
 from cosim.record.layout import CELL_BYTES, GroupLayout, lay_out, write_cells
-from cosim.record.reader import Run, SignalGroup, open_run
+from cosim.record.reader import Run, open_run
+from cosim.record.signals import SignalGroup
 
 SPARE_BYTES = 64 << 20
 """What the file system keeps free: a record must not take the last of it for tidiness."""

@@ -17,7 +17,8 @@ from cosim.base.errors import InputError, RunError
 from cosim.record.digest import digest
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import HDF5_VERSION
-from cosim.record.reader import BLOCK_ROWS, RUN_FILE, open_run
+from cosim.record.reader import RUN_FILE, open_run
+from cosim.record.signals import BLOCK_ROWS
 from cosim.record.table import FLOATS, INTEGERS, TABLE
 
 _LEVEL = 1

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.meaning import Meaning
-from cosim.record.reader import RecordedSignal, Run
+from cosim.record.reader import Run
 from cosim.record.scene import recorded_of
+from cosim.record.signals import RecordedSignal
 from cosim.record.statistics import ColumnSummary
 from cosim.report.page.pack import pack
 

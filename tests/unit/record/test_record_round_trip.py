@@ -17,7 +17,7 @@ from hypothesis.extra import numpy as hnp
 from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import layout, open_run
-from cosim.record.reader import RecordedSignal
+from cosim.record.signals import RecordedSignal
 from tests.support.record.synthetic_run import write
 
 ANY_BITS = st.integers(-(2**63), 2**63 - 1)
