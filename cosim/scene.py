@@ -14,7 +14,7 @@ from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import RecordGroup
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.interface import size_of
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 POSITION = (Meaning.FINGER_X, Meaning.FINGER_Y)

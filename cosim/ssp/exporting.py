@@ -19,7 +19,7 @@ from cosim.base.meaning import Meaning
 from cosim.base.quantities.units import BASES
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.connecting.matching import match_elements
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.scenario import Connection, Kind
 from cosim.scenario.resolved import to_document
 from cosim.ssp.documents import NAMESPACES, OWN, OWN_TYPE, SSC, SSD, SSV, Element, refuse_invalid

@@ -24,7 +24,7 @@ from cosim.master.assembly.wiring import Held, PacketFact, Signal, Source, Wire
 from cosim.master.channels.fates import LOST
 from cosim.master.components.interface import has_cells, size_of
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 
 Number = float | int
 

@@ -20,12 +20,8 @@ from cosim.master.assembly.selection import describe_groups, select_recorded
 from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Signal, Wiring
 from cosim.master.components.isolation import isolate
-from cosim.master.components.participants import (
-    Factory,
-    Participant,
-    notes_of,
-    read_participants,
-)
+from cosim.master.components.participant import Factory, Participant
+from cosim.master.components.participants import notes_of, read_participants
 from cosim.scenario import Kind, Scenario
 
 Only = Callable[[Sequence[RecordGroup]], Collection[str]]

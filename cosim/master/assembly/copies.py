@@ -8,7 +8,7 @@ from typing import Any, cast
 from cosim.base.component import Causality
 from cosim.base.document.show import show
 from cosim.base.meaning import OF_OWN_DEVICE, Meaning
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.scenario import Scenario
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cosim.base.meaning import Meaning
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.master.components.python_component import file_source
 from cosim.scenario import Kind, Scenario
 from cosim.scenario.source.find import folder_at

@@ -16,7 +16,7 @@ from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.master.components.interface import Interface
 from cosim.master.components.parameters import resolve_values
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.master.components.tunable import tunable_at
 from cosim.scenario import Direction, Reference, Scenario
 from cosim.scenario.build.dials import settings, turned

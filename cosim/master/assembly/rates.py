@@ -16,7 +16,7 @@ from cosim.base.component import Causality
 from cosim.base.document.problems import Problems
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.scenario import Scenario
 
 

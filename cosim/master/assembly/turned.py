@@ -14,7 +14,7 @@ from cosim.base.errors import InputError
 from cosim.master.assembly.knobs import Knob, Knobs, Name, Turn
 from cosim.master.components.interface import Interface, is_tunable
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.master.components.tunable import named, tunable_at
 from cosim.scenario import Channel, Connection, Event, KnobRange, Record, Reference, Scenario
 from cosim.scenario.build.dials import (

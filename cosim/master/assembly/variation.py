@@ -17,7 +17,8 @@ from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Bundle, Wiring
-from cosim.master.components.participants import Participant, other_values
+from cosim.master.components.participant import Participant
+from cosim.master.components.participants import other_values
 from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
 
 _STRUCTURE = ("base_rate", "start_tick", "rates", "record")

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.master.fmu.archive import sha256_of
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.loaded.binary import find_binary

@@ -10,7 +10,7 @@ from typing import Any
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.plan import Action
 from cosim.master.assembly.wiring import Bundle
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 
 
 def plan_digest(assembly: Assembly) -> str:

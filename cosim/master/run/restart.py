@@ -10,7 +10,7 @@ import ctypes
 from collections.abc import Mapping
 from typing import Any
 
-from cosim.master.components.participants import Participant
+from cosim.master.components.participant import Participant
 from cosim.master.fmu.binding import Assignment
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.refusal import placed_refusal

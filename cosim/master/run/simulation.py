@@ -11,7 +11,7 @@ from cosim.base.errors import EndAsked, InputError, RunError
 from cosim.base.recording import RecordGroup, Sink
 from cosim.base.system.garbage import without_collecting
 from cosim.master.assembly.assemble import Assembly, Only, put_together
-from cosim.master.components.participants import Factory
+from cosim.master.components.participant import Factory
 from cosim.master.fmu.instance import Fmu
 from cosim.master.kernel.program import Program
 from cosim.master.run import branch_point, checkpoint

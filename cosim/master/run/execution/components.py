@@ -7,7 +7,7 @@ from contextlib import suppress
 from cosim.base.component import Component
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.interface import has_cells
-from cosim.master.components.participants import Participant, setup_of
+from cosim.master.components.participant import Participant, setup_of
 from cosim.master.components.python_component import sentences
 from cosim.master.kernel.program import Program
 from cosim.master.run.execution.fmus import Told

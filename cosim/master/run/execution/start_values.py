@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.interface import has_cells
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participants import Values
+from cosim.master.components.participant import Values
 from cosim.master.kernel.program import Program
 
 
