@@ -22,11 +22,10 @@ from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
-from cosim.record.signals import RecordedSignal, SignalGroup, Signals
+from cosim.record.signals import RecordedSignal, RecordTimes, SignalGroup, Signals
 from cosim.record.stores import FileStore, GroupStore
 from cosim.record.texts.journal import read_texts
 from cosim.record.texts.recorded import RecordedText
-from cosim.record.times import RecordTimes
 
 RUN_FILE = "run.h5"
 

@@ -1,4 +1,4 @@
-"""Recorded signals and their groups, one a rate; values are read when they are asked for."""
+"""Recorded signals, their groups and times; values are read when they are asked for."""
 
 from __future__ import annotations
 
@@ -17,13 +17,34 @@ from cosim.base.recording import Column
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
 from cosim.record.stores import GroupStore
 from cosim.record.texts.recorded import RecordedText
-from cosim.record.times import RecordTimes
 
 Values = NDArray[np.float64] | NDArray[np.int64]
 
 
 BLOCK_ROWS = 8192
 """Rows read at once by what goes through a whole record; a few seconds at 1024 Hz."""
+
+
+class RecordTimes:
+    """Of one record."""
+
+    def __init__(self, base_rate: Fraction, start_tick: int) -> None:
+        self.base_rate = base_rate
+        """Base ticks a second (Hz)."""
+        self.start_tick = start_tick
+        """How many base ticks after time 0 the first one is."""
+        self._timed: tuple[NDArray[np.int64] | None, NDArray[np.float64]] = None, np.zeros(0)
+
+    def seconds(self, ticks: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Times (s) of base ticks: one division by the base rate, so rounded once."""
+        if ticks is self._timed[0]:
+            return self._timed[1]
+        rate = self.base_rate
+        since_0 = (ticks + self.start_tick) * rate.denominator
+        seconds = np.divide(since_0, rate.numerator, dtype=np.float64)
+        if not ticks.flags.writeable:  # they stay what they are
+            self._timed = ticks, seconds
+        return seconds
 
 
 class SignalGroup:

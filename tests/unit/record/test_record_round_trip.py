@@ -135,7 +135,7 @@ def test_reading_one_signal_describes_no_other(
             super().__init__(*arguments)
             made.append(self.name)
 
-    monkeypatch.setattr("cosim.record.reader.RecordedSignal", Watched)
+    monkeypatch.setattr("cosim.record.signals.RecordedSignal", Watched)
     with open_run(small_run) as run:
         assert "a.ramp" in run
         assert len(run.signals) > 2
