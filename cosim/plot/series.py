@@ -159,15 +159,30 @@ def reduced(time: Numbers, values: Numbers, points: int) -> tuple[Numbers, Numbe
     """
     if time.size <= points:
         return time, values
-    size = -(-2 * time.size // points)
-    bins = -(-time.size // size)
-    padded = np.pad(np.where(np.isnan(values), 0.0, values), (0, bins * size - time.size), "edge")
-    cut = padded.reshape(bins, size)
-    offset = np.arange(bins)[:, None] * size
-    extremes = np.stack([cut.argmin(1), cut.argmax(1)], 1) + offset
-    last = time.size - 1
-    kept = np.unique(np.concatenate([[0, last], np.minimum(extremes.ravel(), last)]))
+    kept = _extremes([values], points)
     return time[kept], values[kept]
+
+
+def reduced_way(x: Numbers, y: Numbers, points: int) -> tuple[Numbers, Numbers]:
+    """The same of a way through a plane: of each bin the least and the greatest of either."""
+    if x.size <= points:
+        return x, y
+    kept = _extremes([x, y], points)
+    return x[kept], y[kept]
+
+
+def _extremes(columns: Sequence[Numbers], points: int) -> NDArray[np.intp]:
+    """Rows, in order: the first, the last, and of each bin those that are extreme in a column."""
+    rows = columns[0].size
+    size = -(-2 * len(columns) * rows // max(1, points - 2))
+    bins = -(-rows // size)
+    offset = np.arange(bins) * size
+    kept: list[NDArray[np.intp]] = [np.array([0, rows - 1])]
+    for column in columns:
+        known = np.where(np.isnan(column), 0.0, column)
+        cut = np.pad(known, (0, bins * size - rows), "edge").reshape(bins, size)
+        kept += [cut.argmin(1) + offset, cut.argmax(1) + offset]
+    return np.unique(np.minimum(np.concatenate(kept), rows - 1))
 
 
 def _matching(run: Run, pattern: str) -> list[RecordedSignal]:

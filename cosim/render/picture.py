@@ -28,6 +28,10 @@ BODIES = 0.16
 BODY_ROW = 24
 """... and the least that each has (pixels)."""
 MARGIN = 0.03
+BESIDE = ((0, -18), (0, 18), (22, 0), (-22, 0))
+"""Pixels from a finger to its name, in the order in which places are tried."""
+NAME_SIZE = (20.0, 15.0)
+"""Pixels that a name and a finger need."""
 GRID = 0.05
 TITLE = 26
 """Pixels that a title takes."""
@@ -128,6 +132,7 @@ class Painter:
             self._trail(pen, each, number)
         for finger in fingers:
             self._finger(pen, finger, number)
+        self._names(pen, fingers, number)
         for order, body in enumerate(self._scene["bodies"]):
             self._body(pen, body, order, number)
         self._text(pen, number)
@@ -260,11 +265,22 @@ class Painter:
         self._dot(pen, (x, y), 9, rim)
         if state in {FREE, FIRST_TOUCH}:
             self._dot(pen, (x, y), 6.5, self._colours["ground"])
-        name = f"{finger['station'].removeprefix('station_')}{finger['finger']}"
-        px, py = self._view.at((x, y))
-        pen.text(
-            (px, py - 18 * OVERSAMPLED), name, self._colours["ink"], font=self._small, anchor="mm"
-        )
+
+    def _names(self, pen: Any, fingers: Sequence[Mapping[str, Any]], number: int) -> None:
+        """Each finger's name beside it, where no other finger or name is."""
+        shown: list[tuple[str, Point]] = []
+        for finger in fingers:
+            places = self._poses.pair(finger["position"])
+            if places is not None and np.isfinite(places[number]).all():
+                name = f"{finger['station'].removeprefix('station_')}{finger['finger']}"
+                shown.append((name, self._view.at(places[number])))
+        taken = [place for _, place in shown]
+        for name, (x, y) in shown:
+            beside = [(x + dx * OVERSAMPLED, y + dy * OVERSAMPLED) for dx, dy in BESIDE]
+            free = (p for p in beside if all(_are_apart(p, other) for other in taken))
+            place = next(free, beside[0])
+            taken.append(place)
+            pen.text(place, name, self._colours["ink"], font=self._small, anchor="mm")
 
     def _arrow(self, pen: Any, start: Point, force: Sequence[float], colour: Colour) -> None:
         end = (start[0] + FORCE_SCALE * force[0], start[1] + FORCE_SCALE * force[1])
@@ -303,6 +319,11 @@ class Painter:
             end = edge + length * self._view.scale
             pen.line([(edge, y), (end, y)], fill=ink, width=2 * OVERSAMPLED)
             pen.text((end + 8 * OVERSAMPLED, y), text, ink, font=self._small, anchor="lm")
+
+
+def _are_apart(one: Point, other: Point) -> bool:
+    across, up = (abs(a - b) / OVERSAMPLED for a, b in zip(one, other, strict=True))
+    return across > NAME_SIZE[0] or up > NAME_SIZE[1]
 
 
 def _corners(place: Sequence[float], angle: float, side: float) -> list[Point]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cosim.base.system.writing import writing
 from cosim.plot.kinds import Line, Panel
 from cosim.plot.page.bundle import bundle
-from cosim.plot.series import reduced
+from cosim.plot.series import reduced, reduced_way
 
 HERE = Path(__file__).parent
 LIVE = HERE.parents[1] / "live" / "page"
@@ -24,7 +24,7 @@ LIVE = HERE.parents[1] / "live" / "page"
 MODULES = (LIVE / "vendor" / "uPlot.js", LIVE / "theme.js", HERE / "plot.js")
 STYLES = (LIVE / "vendor" / "uPlot.css", LIVE / "style.css", HERE / "plot.css")
 POINTS = 65536
-"""Of a line over time; a longer one keeps the least and the greatest of every few."""
+"""Of a line; a longer one keeps the least and the greatest of every few."""
 
 
 def draw_page(panels: Sequence[Panel], out: Path, title: str = "") -> None:
@@ -77,8 +77,10 @@ def _panel(panel: Panel) -> dict[str, Any]:
 
 def _line(panel: Panel, line: Line) -> dict[str, Any]:
     x, y = line.x, line.y
-    if panel.form == "steps":
+    if panel.form == "steps" or panel.is_logarithmic:
         x, y = reduced(x, y, POINTS)
+    elif panel.form == "line":
+        x, y = reduced_way(x, y, POINTS)
     elif panel.form == "bars":
         y = np.append(y, y[-1])  # the last bar ends at the last edge
     return {"label": line.label, "x": encode(x), "y": encode(y)}

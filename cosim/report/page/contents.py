@@ -20,6 +20,7 @@ from cosim.record.scene import recorded_of
 from cosim.record.signals import RecordedSignal
 from cosim.record.statistics import ColumnSummary
 from cosim.report.page.pack import pack
+from cosim.report.page.tables import used_ports
 
 FULL = 40
 """Signals of which every row is kept ..."""
@@ -65,7 +66,7 @@ def contents(
     """
     pages = Pages()
     moving = recorded_of(scene or {}, run)
-    panels = _panels(run)
+    panels = _panels(run, summaries)
     whole = _whole(run, panels, moving)
     signals = [
         _signal(run, signal, summaries[name], pages, is_whole=name in whole)
@@ -122,7 +123,7 @@ def _whole(run: Run, panels: list[dict[str, Any]], moving: list[str]) -> set[str
     return {*short[:FULL]}
 
 
-def _panels(run: Run) -> list[dict[str, Any]]:
+def _panels(run: Run, summaries: Mapping[str, ColumnSummary]) -> list[dict[str, Any]]:
     """Plots that are open at first: signals of one unit each."""
     panels: list[dict[str, Any]] = []
     for meanings in FIRST:
@@ -131,7 +132,7 @@ def _panels(run: Run) -> list[dict[str, Any]]:
             if signal.meaning in meanings and signal.belongs_to.peer is None:
                 units.setdefault(signal.unit, []).append(name)
         panels += [{"unit": unit, "signals": names[:8]} for unit, names in units.items()]
-    energies = [n for n, s in run.signals.items() if s.meaning is Meaning.PORT_ENERGY]
+    energies = used_ports(run, summaries)
     if energies:
         panels.append({"unit": "J", "signals": energies[:8]})
     if not panels:

@@ -105,10 +105,26 @@ def saturation_rows(run: Run, scene: Mapping[str, Any] | None) -> list[Row]:
 def energy_rows(run: Run, summaries: Mapping[str, ColumnSummary]) -> list[Row]:
     """What the users have put into each port: least, and at the end."""
     return [
-        (name, human(summaries[name].statistics.minimum, "J"), human(float(signal[-1:][0]), "J"))
-        for name, signal in run.signals.items()
-        if signal.meaning is Meaning.PORT_ENERGY and name in summaries and signal.group.rows
+        (
+            name,
+            human(summaries[name].statistics.minimum, "J"),
+            human(float(run[name][-1:][0]), "J"),
+        )
+        for name in used_ports(run, summaries)
     ]
+
+
+def used_ports(run: Run, summaries: Mapping[str, ColumnSummary]) -> list[str]:
+    """Energies of ports, without those of peers who never touched, or are not there."""
+    found: list[str] = []
+    for name, signal in run.signals.items():
+        if signal.meaning is not Meaning.PORT_ENERGY or name not in summaries:
+            continue
+        ends = summaries[name].statistics
+        is_idle = ends.minimum == ends.maximum == 0.0
+        if signal.group.rows and not (is_idle and signal.belongs_to.peer is not None):
+            found.append(name)
+    return found
 
 
 def provenance_rows(run: Run, digest: str) -> list[Row]:

@@ -69,6 +69,18 @@ def test_the_page_has_the_stations_beside_each_other(tmp_path) -> None:
     assert row, "each station kept its own time"
     assert "vr_a.box" in page
     assert "vr_b.box" in page
+    assert "hold no scenario that both agreed on" in page
+
+
+def test_a_scenario_that_cannot_be_read_is_said_on_the_page(tmp_path) -> None:
+    folders = tuple(recorded(tmp_path / name, name, 0.0) for name in "ab")
+    merged = merge_runs(folders, tmp_path / "merged")
+    (merged.folder / "scenario.resolved.yaml").write_text(
+        "cohaptic: 1\ncomponents: {hand: {python: laboratory:Hand}}\n", encoding="utf-8"
+    )
+    with open_run(merged.folder) as run:
+        page = write_merged_page(run, folders).read_text()
+    assert "the theory says nothing here. scenario.resolved.yaml cannot be read here:" in page
 
 
 def test_what_was_sent_and_what_came_are_counted_apart() -> None:

@@ -16,8 +16,8 @@ from hypothesis.extra.numpy import arrays
 from cosim.base.errors import InputError
 from cosim.base.recording import Column, RecordGroup
 from cosim.cli import cli
-from cosim.plot.kinds import KINDS
-from cosim.plot.page.document import decode, draw_page, encode
+from cosim.plot.kinds import KINDS, Line, Panel
+from cosim.plot.page.document import POINTS, decode, draw_page, encode
 from cosim.plot.series import Span, select
 from cosim.record.reader import open_run
 from tests.support.record.synthetic_run import write
@@ -65,6 +65,27 @@ def test_a_page_has_what_the_figure_has(kind: str, swings: Path, tmp_path: Path)
             assert told["label"] == line.label
             assert values.tobytes() == line.y.astype(float).tobytes()
             assert decode(told["x"]).tobytes() == line.x.astype(float).tobytes()
+
+
+def test_a_long_line_of_any_kind_keeps_its_extremes_and_no_more_points_than_are_drawn(
+    tmp_path: Path,
+) -> None:
+    rows = 3 * POINTS
+    way = np.cumsum(np.random.default_rng(1).normal(size=(2, rows)), axis=1)
+    lines = {"steps": np.arange(rows) / 1024.0, "line": way[0]}
+    panels = [
+        *(Panel("x", "y", (Line("", x, way[1]),), form) for form, x in lines.items()),
+        Panel("f", "y", (Line("", lines["steps"][1:], way[1][1:]),), "line", is_logarithmic=True),
+    ]
+    draw_page(panels, tmp_path / "page.html")
+    for panel, shown in zip(panels, data_of(tmp_path / "page.html"), strict=True):
+        ((told,), (line,)) = shown["lines"], panel.lines
+        x, y = decode(told["x"]), decode(told["y"])
+        assert POINTS / 4 < x.size == y.size <= POINTS
+        for drawn, whole in ((x, line.x), (y, line.y)):
+            assert (drawn.min(), drawn.max()) == (whole.min(), whole.max())
+            assert (drawn[0], drawn[-1]) == (whole[0], whole[-1])
+        assert {*zip(x, y, strict=True)} <= {*zip(line.x, line.y, strict=True)}
 
 
 def test_the_command_writes_it_and_refuses_a_width(swings: Path, tmp_path: Path) -> None:

@@ -51,6 +51,21 @@ def test_nothing_is_loaded_and_no_text_is_code(run_folder: Path) -> None:
     assert not re.search(r"url\(|@import", style)
 
 
+def test_peers_that_are_not_there_have_no_energy(run_folder: Path) -> None:
+    text = (run_folder / "report.html").read_text(encoding="utf-8")
+    table = text[text.index('<h2 id="energies">') :]
+    table = table[: table.index("</section>")]
+    ports = re.findall(r"vr_[ab]\.[^<]*energy", table)
+    assert ports == [
+        f"vr_{own}.{port}"
+        for own in "ab"
+        for port in (
+            *("finger_1.observed_energy", "finger_2.observed_energy"),
+            *("peer_contact_1.finger_1_energy", "peer_contact_1.finger_2_energy"),
+        )
+    ]
+
+
 def test_every_signal_is_in_it_with_its_extremes(run_folder: Path) -> None:
     with open_run(run_folder) as run:
         summaries = {name: signal.summary() for name, signal in run.signals.items()}

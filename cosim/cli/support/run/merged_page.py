@@ -51,12 +51,14 @@ def _theory(run: Run) -> Sequence[ToldLoop]:
     from cosim.analysis.worlds import tell_of
     from cosim.reading import load
     from cosim.record.reader import SCENARIO_FILE
+    from cosim.theory.stability.told import ToldLoop
 
     file = run.folder / SCENARIO_FILE
     if not file.exists():
-        return ()
+        missing = "The stations' folders hold no scenario that both agreed on."
+        return (ToldLoop("", refusal=missing),)
     try:
         return tell_of(load(str(file), (), ()))
-    except CohapticError:
+    except CohapticError as error:
         # A component of a laboratory's own may be missing where the records are looked at.
-        return ()
+        return (ToldLoop("", refusal=f"{SCENARIO_FILE} cannot be read here: {error}"),)
