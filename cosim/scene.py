@@ -54,6 +54,7 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
     pointers: list[dict[str, Any]] = []
     walls: list[list[float]] = []
     shares = _shares(assembly, meant)
+    links = assembly.scenario.connections
     for name, participant in assembly.participants.items():
         signals = meant.get(name, {})
         station = assembly.scenario.components[name].station
@@ -62,7 +63,12 @@ def describe_scene(assembly: Assembly, groups: Iterable[RecordGroup]) -> dict[st
             boxes[-1] |= {**_numbers(participant), **shares.get(name, {})}
             walls += [wall for wall in _walls(participant) if wall not in walls]
         of_world = shares.get(name, {})
-        fingers += [f | of_world for f in _fingers(name, station, participant, signals)]
+        driven = [link.target.path for link in links if link.target.component == name]
+        fingers += [
+            finger | of_world
+            for finger in _fingers(name, station, participant, signals)
+            if _is_there(participant, driven, Slot(finger=finger["finger"]))
+        ]
         bodies += [
             {"name": name, "position": position}
             for position in signals.get((Meaning.AXIS_POSITION, Slot()), [])
@@ -137,6 +143,19 @@ def _fingers(
                 ),
                 "device": _device(participant, signals, slot),
             }
+
+
+def _is_there(participant: Participant, driven: Iterable[str], slot: Slot) -> bool:
+    """Whether something drives a finger; a world has room for more than a user may have."""
+    angles = [
+        variable.name
+        for variable in participant.interface.variables.values()
+        if variable.causality is Causality.INPUT
+        and variable.meaning_of() in ANGLES
+        and variable.slot_of() == slot
+    ]
+    reached = (path for path in driven for name in angles if f"{name}.".startswith(f"{path}."))
+    return not angles or any(reached)
 
 
 def _pointer(

@@ -30,7 +30,7 @@ BODY_ROW = 24
 MARGIN = 0.03
 BESIDE = ((0, -18), (0, 18), (22, 0), (-22, 0))
 """Pixels from a finger to its name, in the order in which places are tried."""
-NAME_SIZE = (20.0, 15.0)
+NAME_SIZE = (20.0, 17.0)
 """Pixels that a name and a finger need."""
 GRID = 0.05
 TITLE = 26
@@ -267,20 +267,33 @@ class Painter:
             self._dot(pen, (x, y), 6.5, self._colours["ground"])
 
     def _names(self, pen: Any, fingers: Sequence[Mapping[str, Any]], number: int) -> None:
-        """Each finger's name beside it, where no other finger or name is."""
+        """Each finger's name beside it, where no other finger, name or arrow is."""
         shown: list[tuple[str, Point]] = []
+        arrows: list[Point] = []
         for finger in fingers:
             places = self._poses.pair(finger["position"])
             if places is not None and np.isfinite(places[number]).all():
                 name = f"{finger['station'].removeprefix('station_')}{finger['finger']}"
                 shown.append((name, self._view.at(places[number])))
-        taken = [place for _, place in shown]
+                forces = self._poses.pair(finger["force"])
+                if forces is not None and hypot(*forces[number]) > WEAK:
+                    half = places[number] + 0.5 * FORCE_SCALE * forces[number]
+                    arrows.append(self._view.at(half))
+        taken = [*(place for _, place in shown), *arrows]
         for name, (x, y) in shown:
             beside = [(x + dx * OVERSAMPLED, y + dy * OVERSAMPLED) for dx, dy in BESIDE]
             free = (p for p in beside if all(_are_apart(p, other) for other in taken))
             place = next(free, beside[0])
             taken.append(place)
-            pen.text(place, name, self._colours["ink"], font=self._small, anchor="mm")
+            pen.text(
+                place,
+                name,
+                self._colours["ink"],
+                font=self._small,
+                anchor="mm",
+                stroke_width=2 * OVERSAMPLED,
+                stroke_fill=self._colours["ground"],
+            )
 
     def _arrow(self, pen: Any, start: Point, force: Sequence[float], colour: Colour) -> None:
         end = (start[0] + FORCE_SCALE * force[0], start[1] + FORCE_SCALE * force[1])

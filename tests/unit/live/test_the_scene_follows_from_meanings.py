@@ -15,8 +15,8 @@ from cosim.scene import describe_scene
 from tests.support.live.renamed import BOX, write_scenario
 
 
-def described(name: str) -> dict:
-    simulation = assemble(load(name))
+def described(name: str, *sets: str) -> dict:
+    simulation = assemble(load(name, (), sets))
     return describe_scene(simulation.assembly, simulation.groups)
 
 
@@ -40,6 +40,13 @@ def test_two_copies_four_fingers_and_their_devices_are_found(box: dict) -> None:
         assert finger["limit"] == 2.5
     assert box["fingers"][3]["device"]["base"] == pytest.approx([0.1125, 0.21, 3.14159], abs=1e-4)
     assert [channel["name"] for channel in box["channels"]] == ["lan.forward", "lan.backward"]
+
+
+@pytest.mark.parametrize("name", ["four_users", "wall_push_centralized_remote"])
+def test_a_finger_that_nothing_drives_is_not_there(name: str) -> None:
+    fingers = described(f"thesis/{name}", "record=['*']")["fingers"]
+    assert {finger["finger"] for finger in fingers} == {1}
+    assert len({finger["station"] for finger in fingers}) == len(fingers) >= 2
 
 
 def test_every_signal_of_a_scene_is_recorded(box: dict) -> None:
