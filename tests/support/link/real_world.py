@@ -90,7 +90,7 @@ class RealWorld:
 
     def start(self, name: str) -> None:
         folder = self.out / str(len(self.records))
-        process = station(name, self.ports[name], folder, "--realtime", "--duration", "60")
+        process = station(name, self.ports[name], folder, "--realtime", "--duration", "600")
         self.stations[name] = Listener(process)
         self.folders[name] = folder / name
         self.records.append(folder / name)
@@ -123,7 +123,7 @@ class RealWorld:
         return all(each.waits_since is not None for each in self.stations.values())
 
     def _wait_for(self, condition) -> None:
-        end = time.monotonic() + 60.0
+        end = time.monotonic() + 200.0
         while not condition():
             said = {name: each.words for name, each in self.stations.items()}
             assert time.monotonic() < end, said
