@@ -33,6 +33,8 @@ COPIES = (77.5, 10.0)
 FRICTION = 0.6
 TIP_SPEED = 0.2
 """m/s, the fastest that a tip moves."""
+CORNER = 0.071
+"""m, from the box's centre."""
 TICK = 1.0 / 1024
 PORTS = range(20_000, 30_000)
 """Below those that the system gives to whoever asks for any."""
@@ -164,9 +166,10 @@ def check_bounds(folder: Path, peer: str) -> np.ndarray:
 def check_steps(folder: Path, peer: str) -> None:
     """What one tick changes of the force on a finger, and of what comes from the peer.
 
-    The peer reaches a finger through the mass of the box alone: its force changes no more than
-    where a tip hits the box without a network. What comes from the peer changes as
-    docs/protocol.md says, with the couplers of ``two_users_box``.
+    The peer reaches a finger through the mass of the box alone: the force grows and falls no more
+    than where the two meet at the speed that they have, with friction, unless the finger slides off
+    an edge. What comes from the peer changes as docs/protocol.md says, with the couplers of
+    ``two_users_box``.
     """
     user = f"vr_{folder.name[-1]}"
     with open_run(folder) as run:
@@ -183,18 +186,25 @@ def check_steps(folder: Path, peer: str) -> None:
                 for n in (1, 2)
             ),
         ]
+        losses = [run[f"{user}.finger_{n}.contact_losses"].values for n in (1, 2)]
         wrench = vector("coupling_wrench.x", "coupling_wrench.y")
+        turns = np.abs(run[f"{user}.box_velocity.theta"].values)
+        moves = np.hypot(*vector("box_velocity.x", "box_velocity.y")) + CORNER * turns
 
     def step(values: np.ndarray) -> np.ndarray:
         return np.hypot(*np.diff(values))
 
+    slip = np.hypot(1.0, FRICTION)
     stiffness, damping = OWN
-    for force in fingers:
-        assert step(force).max(initial=0.0) <= (stiffness * TICK + damping) * TIP_SPEED
+    met = slip * (stiffness * TICK + damping) * (TIP_SPEED + moves.max(initial=0.0))
+    for force, lost in zip(fingers, losses, strict=True):
+        growth = np.diff(np.hypot(*force))
+        assert growth.max(initial=0.0) <= met
+        assert (np.diff(lost)[growth < -met] > 0).all()
     counts = (weight[:-1] > 0.0) & (weight[1:] > 0.0)
     reach = TIP_SPEED * HOLD * TICK
     assert all(step(place)[counts].max(initial=0.0) <= reach for place in places)
     a_finger, copies = (k * reach + b * TIP_SPEED for k, b in (PEERS, COPIES))
-    moved = 2.0 * np.hypot(1.0, FRICTION) * a_finger + copies
+    moved = 2.0 * slip * a_finger + copies
     given_up = np.where(np.diff(weight) < 0.0, np.hypot(*wrench).max(initial=0.0) / FADE, 0.0)
     assert (step(wrench) <= moved + given_up).all()

@@ -263,6 +263,23 @@ def test_a_message_of_no_known_kind_is_counted() -> None:
     assert process.absurd == 3
 
 
+def test_what_cannot_be_a_greeting_uses_up_no_room_of_one() -> None:
+    """Between two looks at the process the loop hands on so many; junk is looked at before."""
+    process = HandshakeProcess("b", ["a"])
+    mine, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    theirs.setblocking(False)
+    greeting = hello("b", "a")
+    with mine, theirs:
+        process.attach(mine)
+        pass_on = process.forward(0)
+        for number in range(10_000):
+            junk = HEADER.pack(MAGIC, VERSION, 16 + number % 6, 0, 0, number, 0) + bytes(57)
+            pass_on(memoryview(junk), 1)
+        pass_on(memoryview(greeting), 1)
+        assert theirs.recv(2000).endswith(greeting)
+        assert process.dropped == 10_000
+
+
 def test_the_process_that_holds_the_key_imports_nothing_of_the_working_folder(
     tmp_path, monkeypatch
 ) -> None:

@@ -273,16 +273,23 @@ def test_nothing_unauthentic_and_nothing_twice_is_answered() -> None:
     assert relay.received == 1
 
 
-def test_a_recorded_greeting_gets_a_cookie_and_nothing_else() -> None:
+@pytest.mark.parametrize("restarted", [False, True])
+def test_a_recorded_greeting_gets_a_cookie_and_nothing_else(*, restarted: bool) -> None:
     """Whoever sends it from an address that he does not have makes the relay send it little."""
     relay = Relay(KEY, Caps())
     greetings = Session(relay).greetings
+    if restarted:
+        # One that has never seen them.
+        relay = Relay(KEY, Caps())
+    cookies = 0
     for seconds in range(3, 100):
         for greeting in greetings:
             at = seconds * 10**9
             answer = relay.take(memoryview(greeting), ("10.0.0.9", 1), at, lambda t=at: t)
             assert answer is None or (answer[3] == PacketKind.COOKIE and len(answer) < 120)
+            cookies += answer is not None
     assert relay.received == 0
+    assert (cookies > 0) is restarted
 
 
 class Endless(socket.socket):
