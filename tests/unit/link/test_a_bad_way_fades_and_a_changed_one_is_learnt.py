@@ -147,6 +147,8 @@ def test_a_renewal_costs_no_packet_and_no_weight() -> None:
         ends = (a, b) if number % 2 else (b, a)
         begin = START + 2 * SECOND + number * 200_000_000
         share_session(*ends, number=number, same=True, later=True)
+        # Clocks are still the same ones.
+        assert all(station.link.clock.ready for station in ends)
         run(network, [a, b], begin + 100_000_000)
         ends[1].link.use(ends[0].link.session.session)
         run(network, [a, b], begin + 200_000_000)
@@ -156,6 +158,8 @@ def test_a_renewal_costs_no_packet_and_no_weight() -> None:
         b.link.incoming[0].receiver.counts[Fate.ACCEPTED] - accepted
     )
     assert lost <= 1, "the last one may be on its way"
+    share_session(a, b, number=9)
+    assert not any(station.link.clock.ready for station in (a, b))
     assert b.link.incoming[0].receiver.counts[Fate.FOREIGN] == 0
 
 
