@@ -31,8 +31,8 @@ PEERS = (170.0, 3.0)
 COPIES = (77.5, 10.0)
 """Between the two copies."""
 FRICTION = 0.6
-TIP_SPEED = 0.2
-"""m/s, the fastest that a tip moves."""
+TIP_SPEED = 0.3
+"""m/s, the fastest that a peer's tip moves."""
 CORNER = 0.071
 """m, from the box's centre."""
 TICK = 1.0 / 1024
@@ -189,6 +189,7 @@ def check_steps(folder: Path, peer: str) -> None:
         losses = [run[f"{user}.finger_{n}.contact_losses"].values for n in (1, 2)]
         wrench = vector("coupling_wrench.x", "coupling_wrench.y")
         turns = np.abs(run[f"{user}.box_velocity.theta"].values)
+        tips = [vector(f"finger_{n}.velocity[1]", f"finger_{n}.velocity[2]") for n in (1, 2)]
         moves = np.hypot(*vector("box_velocity.x", "box_velocity.y")) + CORNER * turns
 
     def step(values: np.ndarray) -> np.ndarray:
@@ -196,8 +197,9 @@ def check_steps(folder: Path, peer: str) -> None:
 
     slip = np.hypot(1.0, FRICTION)
     stiffness, damping = OWN
-    met = slip * (stiffness * TICK + damping) * (TIP_SPEED + moves.max(initial=0.0))
-    for force, lost in zip(fingers, losses, strict=True):
+    for force, tip, lost in zip(fingers, tips, losses, strict=True):
+        speed = np.hypot(*tip).max(initial=0.0) + moves.max(initial=0.0)
+        met = slip * (stiffness * TICK + damping) * speed
         growth = np.diff(np.hypot(*force))
         assert growth.max(initial=0.0) <= met
         assert (np.diff(lost)[growth < -met] > 0).all()
