@@ -7,6 +7,7 @@ import select
 import socket
 import struct
 import sys
+import time
 from fractions import Fraction
 
 import pytest
@@ -22,9 +23,11 @@ from cosim.link.session.contract import Contract
 from cosim.link.session.keys import KEY_SIZE, NO_KEY, PreSharedKey, create_key_file
 from cosim.link.session.messages import LARGEST_MESSAGE, NOTE, refusal
 from cosim.link.session.process import HandshakeServer
+from cosim.link.stream.remote import Grid
 from cosim.link.wire.address import Address
 from cosim.link.wire.packet import HEADER, MAGIC, VERSION, PacketKind
 from cosim.link.wire.sockets import open_socket, open_sockets
+from cosim.station.facts import link_facts
 
 LOCAL = Address("127.0.0.1", 0)
 STATION = ["two_users_box", "--as", "station_a", "--wait", "1", "--no-figure"]
@@ -250,6 +253,19 @@ def test_nothing_that_the_process_says_ends_a_running_loop(message: bytes) -> No
             theirs.close()
         process.hear()
     assert process.start is None
+
+
+def test_a_process_that_is_gone_has_no_counts_and_is_not_waited_for() -> None:
+    process = HandshakeProcess("b", ["a"])
+    mine, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with mine:
+        process.attach(mine)
+        theirs.close()
+        before = time.monotonic()
+        process.leave()
+    assert time.monotonic() - before < 1.0
+    facts = link_facts("b", Grid(tick_ns=1e6), [], [], process)
+    assert facts["handshake_process"] == {"dropped": 0, "absurd": 0, "answered": False}
 
 
 def test_a_message_of_no_known_kind_is_counted() -> None:

@@ -7,6 +7,8 @@ import signal
 import time
 from pathlib import Path
 
+import pytest
+
 from tests.support.link.processes import NAMES, Listener, free_ports, link_of, station
 
 DOOR = b"cosim.link.session.process"
@@ -23,6 +25,7 @@ def door_of(process: int) -> int:
     raise AssertionError(waiting)
 
 
+@pytest.mark.slow
 def test_it_runs_on_and_says_so(tmp_path) -> None:
     ports = free_ports()
     listeners = [Listener(station(name, ports, tmp_path, "--duration", "60")) for name in NAMES]
