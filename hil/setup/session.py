@@ -50,7 +50,7 @@ class Session:
         """
         if not self.enable_output:
             return None
-        if device.name in self.asked:
+        if device.name in self.asked and self.dead_man is None:
             return self.asked[device.name]
         given: Permission | None = None
         if self.yes:
@@ -122,13 +122,15 @@ class Session:
     def ask_ahead(self, device: Device) -> None:
         """Ask what :meth:`permission` and :meth:`hold_home_pose` would, of a device not open yet.
 
+        A dead-man input answers for itself, once the device is open.
+
         Raises:
             ActivationRefused: output was asked for and not confirmed.
         """
         if self.yes or self.prompt is None:
             return
         given: Permission | None = None
-        if self.enable_output:
+        if self.enable_output and self.dead_man is None:
             given = ask(device.name, warnings_of(device), self.prompt)
         if device.file.home is not None:
             self.prompt(

@@ -17,7 +17,7 @@ from hil.safety.safeguards import check_safeguards
 from hil.setup.address import parse
 from hil.setup.device_file import parse as parse_file
 from hil.setup.session import Session
-from tests.support.hil.hil_bench import Puppet, mock
+from tests.support.hil.hil_bench import REST_ANGLE, Puppet, mock
 
 
 def test_a_permission_cannot_be_made_by_hand():
@@ -106,3 +106,27 @@ def test_a_rate_at_which_nothing_could_be_dropped_in_time_gets_no_output():
     with pytest.raises(ActivationRefused, match="128 Hz"):
         check_safeguards(slow)
     check_safeguards(mock(Puppet(), tick=Fraction(1, 512)))
+
+
+@pytest.mark.parametrize("ahead", [False, True])
+def test_a_dead_man_input_is_asked_whoever_opens_the_board(monkeypatch, ahead: bool):
+    """Where the loop opens it, people are asked before; the input is held from then on, too."""
+    monkeypatch.setattr("hil.setup.session.wait_until_held", lambda *_: True)
+    held, questions = [True], []
+    session = Session(
+        enable_output=True,
+        dead_man=lambda _: lambda: held[0],
+        prompt=lambda text: questions.append(text) or "enable",
+    )
+    device = real(file={"home": list(REST_ANGLE)})
+    if ahead:
+        session.ask_ahead(device)
+    given = session.permission(device)
+    session.hold_home_pose(device)
+    assert given is not None
+    assert given.is_held is not None, "nobody asks the input: the board pushes without a hand on it"
+    assert given.is_held()
+    held[0] = False
+    assert not given.is_held()
+    (question,) = questions
+    assert question.startswith("Hold the handle")
