@@ -15,6 +15,7 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 
+from cosim.base.system.dying import is_dying
 from cosim.base.system.pulse import RUNNING, Pulse, Who
 from cosim.base.system.supervised import Supervised
 from cosim.realtime.messages import Message, split
@@ -32,7 +33,7 @@ LEAST_LOOKS = 3
 
 
 class Watch:
-    """Watches supervisor and loop by their beats, until nobody holds the pipe's other end.
+    """Watches supervisor and loop by their beats, until both are gone.
 
     ``devices`` is how many numbers of ``pulse`` are used; not ``timed``: no clock matters to them.
     """
@@ -54,7 +55,10 @@ class Watch:
         """Why supervisor and loop had to be killed, where they had to be."""
 
     def to_the_end(self, take: Callable[[Message], None], now_and_then: Callable[[], None]) -> None:
-        """Hand messages on until the pipe is closed; ``now_and_then`` some fifty times a second."""
+        """Hand messages on until supervisor and loop write no more, neither here nor to a device.
+
+        ``now_and_then`` is called some fifty times a second.
+        """
         data = b""
         while True:
             self._pulse.beat()
@@ -72,7 +76,13 @@ class Watch:
                 if not part:
                     return
             self._look()
+            if self._loop_dead and is_dying(self._supervisor) and not self._has_more():
+                return
             now_and_then()
+
+    def _has_more(self) -> bool:
+        """Whether something is in the pipe still."""
+        return any(found == self._pipe for found, _ in self._poll.poll(0))
 
     def close(self) -> None:
         """Let go of the loop's descriptor."""
@@ -91,6 +101,7 @@ class Watch:
         supervisor, loop = self._still[Who.SUPERVISOR], self._still[Who.LOOP]
         if self.killed is not None or not pulse.loop_id:
             return
+        self._loop_dead = self._loop_dead or is_dying(pulse.loop_id)
         cold = all(pulse.is_cold(number) for number in range(self._devices))
         stopped = STOPPED_SECONDS if self._timed else LOCKSTEP_SECONDS
         if self._loop_dead and supervisor.lasts(

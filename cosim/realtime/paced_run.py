@@ -336,9 +336,9 @@ class _Run:
             failed = error
             self._pulse.ask_to_stop()
             watch.to_the_end(paced.take, lambda: None)
+        zero_the_rest(self._numbered(), self._pulse)
         os.waitpid(supervisor, 0)
         watch.close()
-        zero_the_rest(self._numbered(), self._pulse)
         if failed is not None:
             raise failed
         now_and_then()

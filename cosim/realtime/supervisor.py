@@ -1,9 +1,9 @@
 """The process that outlives the control loop, and brings to zero what the loop leaves.
 
 It forks the loop, which inherits the open ports; it watches the loop's beats; and when the loop is
-gone or stands still, it kills and reaps it, completes or drains the frame that was under way, and
-sends zero until an answer confirms it. It has a session of its own, so that no terminal and no
-group of processes takes it along, and it keeps every signal blocked. Linux and macOS.
+gone or stands still, it kills it, completes or drains the frame that was under way, sends zero
+until an answer confirms it, and reaps the loop. It has a session of its own, so that no terminal
+and no group of processes takes it along, and it keeps every signal blocked. Linux and macOS.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from cosim.base.system.dying import is_dying
 from cosim.base.system.grants import SUPERVISOR_PRIORITY, freeze_garbage, real_time_priority
 from cosim.base.system.pulse import FINISHED, RUNNING, Pulse, Who
 from cosim.base.system.supervised import Supervised
@@ -63,9 +64,8 @@ def supervise(
     if real_time and devices:
         freeze_garbage()
         real_time_priority(SUPERVISOR_PRIORITY)
-    status, reason, killed = _Watch(
-        process, pulse, command, stall if devices else None
-    ).to_the_end()
+    watch = _Watch(process, pulse, command, stall if devices else None)
+    killed = watch.to_the_end()
     begun = time.monotonic()
     torn = pulse.torn()
     for number, device in devices:
@@ -73,7 +73,10 @@ def supervise(
     seconds = time.monotonic() - begun
     for _, device in devices:
         device.release()
-    return Ending(status=status, reason=reason, seconds=seconds, killed=killed)
+    status, reason = _ended(watch.reap())
+    if killed is not None:
+        reason = f"{killed}; it was killed"
+    return Ending(status=status, reason=reason, seconds=seconds, killed=killed is not None)
 
 
 def _run_loop(loop: Callable[[], int], pulse: Pulse) -> None:
@@ -109,9 +112,10 @@ class _Watch:
         self._heard: int = 0
         self._command_since = self._since = 0.0
         self._ending: float | None = None
+        self._wait_status: int | None = None
 
-    def to_the_end(self) -> tuple[int, str, bool]:
-        """(the loop's status, what happened, whether it was killed here)."""
+    def to_the_end(self) -> str | None:
+        """Returns once the loop writes no more; why it was killed here, if it was."""
         pulse, last = self._pulse, time.monotonic()
         self._heard, self._since, self._command_since = pulse.counter, last, last
         while True:
@@ -123,13 +127,32 @@ class _Watch:
             last = now
             if not pulse.stop_asked and self._is_time_to_end(now):
                 pulse.ask_to_stop()
-            found, wait_status = os.waitpid(self._process, os.WNOHANG)
-            if found:
-                return *_ended(wait_status), False
+            if self._is_over():
+                return None
             reason = self._reason_to_kill(now)
             if reason:
-                return *_kill(self._process, reason), True
+                self._kill()
+                return reason
             time.sleep(EASY_POLL_SECONDS if self._stall is None else POLL_SECONDS)
+
+    def reap(self) -> int:
+        """The loop's wait status, once the system has freed all that it had."""
+        if self._wait_status is None:
+            _, self._wait_status = os.waitpid(self._process, 0)
+        return self._wait_status
+
+    def _is_over(self) -> bool:
+        """Whether the loop writes no more."""
+        if self._wait_status is None:
+            found, wait_status = os.waitpid(self._process, os.WNOHANG)
+            self._wait_status = wait_status if found else None
+        return self._wait_status is not None or is_dying(self._process)
+
+    def _kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGKILL)
+        while not self._is_over():
+            time.sleep(POLL_SECONDS)
 
     def _is_time_to_end(self, now: float) -> bool:
         """Whether a signal has come here, or the command is gone or stopped."""
@@ -165,13 +188,6 @@ def _is_stopped(process: int) -> bool:
     except OSError:
         return True
     return text.rpartition(")")[2].split()[0] in {"T", "t"}
-
-
-def _kill(process: int, reason: str) -> tuple[int, str]:
-    with contextlib.suppress(ProcessLookupError):
-        os.kill(process, signal.SIGKILL)
-    _, wait_status = os.waitpid(process, 0)
-    return os.waitstatus_to_exitcode(wait_status), f"{reason}; it was killed"
 
 
 def _ended(wait_status: int) -> tuple[int, str]:

@@ -85,10 +85,6 @@ class Ending:
     """Whether the command lives to say how it ended."""
 
 
-FREED = 0.08
-"""Seconds where a loop was killed: no wait ends before the system has freed its 200 MB, some 20 to
-50 ms, and until then nobody knows that it writes no more. (50 ms did not hold: 56 was seen.)"""
-
 ENDINGS = {
     "Ctrl-C": Ending(lambda run: run.type("\x03"), 0.05),
     "Ctrl-\\": Ending(lambda run: run.type("\x1c"), 0.05),
@@ -104,13 +100,13 @@ ENDINGS = {
     "1,200 signals while zeroing": Ending(storm, 0.05),
     "command killed": Ending(kill(command), 0.05, alive=False),
     "supervisor killed": Ending(kill(supervisor), 0.05),
-    "loop killed": Ending(kill(loop), FREED),
-    "the command's group killed": Ending(groups(command), FREED, alive=False),
+    "loop killed": Ending(kill(loop), 0.05),
+    "the command's group killed": Ending(groups(command), 0.05, alive=False),
     "the supervisor's group killed": Ending(groups(supervisor), 0.05),
-    "the loop's group killed": Ending(groups(loop), FREED),
-    "supervisor and loop killed": Ending(kill(supervisor, loop), FREED),
-    "command and loop killed": Ending(kill(command, loop), FREED, alive=False),
-    "loop stopped": Ending(kill(loop, how=signal.SIGSTOP), FREED + 0.01),
+    "the loop's group killed": Ending(groups(loop), 0.05),
+    "supervisor and loop killed": Ending(kill(supervisor, loop), 0.05),
+    "command and loop killed": Ending(kill(command, loop), 0.05, alive=False),
+    "loop stopped": Ending(kill(loop, how=signal.SIGSTOP), 0.06),
     "supervisor stopped": Ending(kill(supervisor, how=signal.SIGSTOP), 0.35),
     "supervisor stopped, loop killed": Ending(stop_then_kill_the_loop, 0.15),
     "supervisor and loop stopped": Ending(kill(supervisor, loop, how=signal.SIGSTOP), 1.3),
