@@ -6,6 +6,7 @@ they differ, the handle is elsewhere than the workstation thinks, and is pushed 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import isclose
@@ -16,6 +17,8 @@ from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Held, Signal
 
 MEASURED = "joint_angle"
+_READER = re.compile(rf"(?P<prefix>.*){MEASURED}(\[\d+\])?")
+"""Its name where it is read: of an array, or of one element that FMI 2 has as a variable."""
 TOLERANCE = 0.01
 """Relative difference of two lengths that a drawing and a measurement may have."""
 
@@ -32,7 +35,7 @@ class Lengths:
 def judge_geometry(assembly: Assembly, devices: Mapping[str, Lengths], problems: Problems) -> None:
     """Report every device whose lengths are not those of the workstation that reads its angles."""
     for device, component, prefix in sorted(set(_readers(assembly, devices))):
-        with problems.at(("components", device)):
+        with problems.at(("components", device, "device")):
             _compare(assembly, device, devices[device], component, prefix)
 
 
@@ -45,9 +48,9 @@ def _readers(assembly: Assembly, devices: Mapping[str, Lengths]) -> Iterator[tup
             source = wiring.bundles[source.bundle].entries[source.index].source
         if not isinstance(source, Signal) or source.component not in devices:
             continue
-        name = wire.target.variable
-        if source.variable == MEASURED and name.endswith(MEASURED):
-            yield source.component, wire.target.component, name.removesuffix(MEASURED)
+        reader = _READER.fullmatch(wire.target.variable)
+        if source.variable == MEASURED and reader is not None:
+            yield source.component, wire.target.component, reader["prefix"]
 
 
 def _compare(

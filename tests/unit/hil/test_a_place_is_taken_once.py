@@ -24,6 +24,11 @@ def check(folder, first: str, second: str) -> str:
     for finger, url in zip(FINGERS, (first, second), strict=True):
         lines.append(f'  {finger}: {{device: "{url}"}}')
         lines.append(f"  {finger.replace('finger', 'operator')}: ~")
+    sizes = [
+        f"finger_{number}.device: {'haply' if url.startswith('haply') else 'quanser'}"
+        for number, url in enumerate((first, second), 1)
+    ]
+    lines.append(f"  vr_a: {{parameters: {{{', '.join(sizes)}}}}}")
     path = folder / "bench.yaml"
     path.write_text("\n".join(lines) + "\n")
     arguments = ["check", "two_users_box", "--with", str(path)]
