@@ -87,8 +87,9 @@ class OdriveDriver(Driver):
             self._to(node, OdriveCommand.SET_LIMITS, self._limits())
             self._set_watchdog(node)
         self._bus.keep_step()
-        self._until(self._all_idle, "its axes do not report to be idle")
-        self._until(self._all_measured, "its axes send no encoder estimates")
+        self._until(self._is_heard, "was never heard: no axis has that node number, or no power")
+        self._until(lambda node: self._states[node] == wire.IDLE, "does not report to be idle")
+        self._until(self._is_measured, "sends no encoder estimates")
         self._running = True
 
     def _limits(self) -> bytes:
@@ -161,7 +162,9 @@ class OdriveDriver(Driver):
                 astray = f"ODrive axis {node} was told to be idle, and is {state}"
         return Received(
             # Out of closed loop nobody sends a torque, so an idle axis is one at zero.
-            zero_confirmed=bool(fresh) and not self._closed and self._all_idle(),
+            zero_confirmed=bool(fresh)
+            and not self._closed
+            and set(self._states.values()) == {wire.IDLE},
             watchdog_fired=fired,
             contradiction=astray if fresh else None,
             error=wrong,
@@ -216,8 +219,8 @@ class OdriveDriver(Driver):
             self._to(node, OdriveCommand.SET_TORQUE, wire.set_torque(0.0))
             self._to(node, OdriveCommand.SET_STATE, wire.set_state(wire.CLOSED_LOOP))
         self._until(
-            lambda: set(self._states.values()) == {wire.CLOSED_LOOP},
-            "its axes do not enter closed loop (are they calibrated?)",
+            lambda node: self._states[node] == wire.CLOSED_LOOP,
+            "does not enter closed loop (is it calibrated?)",
             keep=lambda: self.send(ZERO),
         )
         self._closed = True
@@ -238,24 +241,26 @@ class OdriveDriver(Driver):
             self._bus = None
 
     def _until(
-        self, done: Callable[[], bool], otherwise: str, keep: Callable[[], object] | None = None
+        self, done: Callable[[int], bool], otherwise: str, keep: Callable[[], object] | None = None
     ) -> None:
+        """Exchange until it is true of both axes; those of which it does not become are named."""
         for _ in range(WAIT_TICKS):
             told = self.receive()
             if told.error is not None:
                 raise told.error
-            if done():
+            if all(map(done, self._nodes)):
                 return
             if keep is not None:
                 keep()
             self.pause()
-        raise DeviceError(f"{self.name}: {otherwise}")
+        named = " and ".join(f"axis {node}" for node in self._nodes if not done(node))
+        raise DeviceError(f"{self.name}: {named} {otherwise}")
 
-    def _all_idle(self) -> bool:
-        return set(self._states.values()) == {wire.IDLE}
+    def _is_heard(self, node: int) -> bool:
+        return self._beats[node] > 0
 
-    def _all_measured(self) -> bool:
-        return all(self._seen.values())
+    def _is_measured(self, node: int) -> bool:
+        return self._opened().latest(identifier(node, OdriveCommand.ESTIMATES)) is not None
 
     def _to(self, node: int, command: OdriveCommand, data: bytes = b"") -> None:
         self._opened().send(identifier(node, command), data)

@@ -9,8 +9,10 @@ from typing import Any
 
 import pytest
 
+from cosim.base.errors import InputError
 from hil.device.contract import State
 from hil.device.device import Device
+from hil.device.errors import DeviceError
 from hil.drivers.odrive.driver import OdriveDriver
 from hil.safety.permission import emulated
 from hil.setup.address import parse
@@ -32,13 +34,19 @@ class Axes:
         self.state = {0: 1, 1: 1}
         self.error = {0: 0, 1: 0}
         self.beats = {0, 1}
-        self.estimates = True
+        self.deaf: set[int] = set()
+        """Axes that do not follow what they are told."""
+        self.sent: list[tuple[int, bytes]] = []
+        self.measured = {0, 1}
         self.extra: list[CanFrame] = []
         self.ticks = 0
         self._queue: list[CanFrame] | None = None
 
     def send(self, identifier: int, data: bytes, *, remote: bool) -> None:
         del remote
+        self.sent.append((identifier, data))
+        if identifier >> 5 in self.deaf:
+            return
         if identifier & 0x1F == 0x07:
             (self.state[identifier >> 5],) = struct.unpack("<I", data)
 
@@ -55,7 +63,7 @@ class Axes:
         self.ticks += 1
         yield from self.extra
         for node in (0, 1):
-            if self.estimates:
+            if node in self.measured:
                 yield CanFrame(node << 5 | 0x09, bytes(8))
             if self.ticks % 10 == 0 and node in self.beats:
                 told = struct.pack("<IBBBB", self.error[node], self.state[node], 0, 0, 0)
@@ -86,7 +94,7 @@ def active(axes: Axes) -> Iterator[Callable[..., Device]]:
         return _activated(made[-1])
 
     yield make
-    axes.extra, axes.estimates = [], True
+    axes.extra, axes.measured = [], {0, 1}
     for device in made:
         device.close()
 
@@ -120,6 +128,45 @@ def exchange(device: Device, ticks: int) -> int:
     return ticks
 
 
+@pytest.mark.parametrize(
+    ("lacks", "says"),
+    [
+        ({"beats": {0}, "measured": {0}}, "axis 1 was never heard: no axis has that node number"),
+        ({"measured": {0}}, "axis 1 sends no encoder estimates"),
+        ({"deaf": {0}, "state": {0: 8, 1: 1}}, "axis 0 does not report to be idle"),
+    ],
+)
+def test_a_lone_axis_is_refused_and_what_it_lacks_is_said(axes: Axes, lacks, says: str):
+    """One axis of two is no device: it is refused before anything pushes, and left idle."""
+    for name, value in lacks.items():
+        setattr(axes, name, value)
+    device = _device()
+    with pytest.raises(DeviceError, match=says):
+        device.configure()
+    torques = [data for identifier, data in axes.sent if identifier & 0x1F == 0x0E]
+    assert set(torques) == {bytes(4)}
+    assert all(axes.state[node] == 1 for node in {0, 1} - axes.deaf)
+
+
+def test_an_axis_that_does_not_follow_into_closed_loop_is_named(axes: Axes):
+    device = _device()
+    device.configure()
+    device.home()
+    exchange(device, device.rest_ticks)
+    axes.deaf = {1}
+    with pytest.raises(DeviceError, match=r"axis 1 does not enter closed loop \(is it calibr"):
+        device.activate()
+    axes.deaf = set()
+    device.close()
+
+
+def test_one_node_for_two_joints_is_refused():
+    with pytest.raises(InputError, match="two different node numbers of 0 to 63, such as 0,1"):
+        Device(
+            OdriveDriver, parse(URL.replace("0,1", "0")), parse_file({"driver": "odrive"})
+        ).configure()
+
+
 def test_a_heartbeat_that_stops_is_a_fault_within_30_ms(axes: Axes, active):
     device = active()
     axes.beats.discard(1)
@@ -137,7 +184,7 @@ def test_an_axis_that_goes_idle_is_named(axes: Axes, active):
 
 def test_silence_on_a_bus_in_trouble_says_so(axes: Axes, active):
     device = active()
-    axes.estimates, axes.beats = False, set()
+    axes.measured, axes.beats = set(), set()
     axes.extra = [CanFrame(0x20, bytes(8), FrameKind.ERROR)]
     assert exchange(device, 100) == 9
     assert "no valid sample for 10 ticks" in device.fault_sentence()
@@ -157,7 +204,7 @@ def test_a_watchdog_of_more_than_100_ms_is_none(axes: Axes, active, timeout: flo
         watchdog={"timeout": timeout}, date="2026-11-22", timeout=timeout, fired_after=timeout
     )
     assert device.watchdog.protects is trusted
-    axes.estimates, axes.beats = False, set()
+    axes.measured, axes.beats = set(), set()
     exchange(device, 20)
     for tick in range(60):
         device.write(tick, (0.0, 0.0))
