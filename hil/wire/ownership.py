@@ -8,6 +8,7 @@ listening abstract socket named by bus and node stands for it, seen by all users
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import socket
 import struct
@@ -49,21 +50,23 @@ class OwnedNodes:
         """Claim them.
 
         Raises:
-            DeviceError: another device has one of them.
+            DeviceError: another device has one of them, or the system does not let claim it.
         """
         self._sockets: list[socket.socket] = []
         if sys.platform != "linux":
             return  # there are no abstract sockets
         for node in nodes:
-            place = f"\0cohaptic-{bus}-{node}"
-            made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-            self._sockets.append(made)
+            place, what = f"\0cohaptic-{bus}-{node}", f"node {node} on {bus}"
             try:
+                made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+                self._sockets.append(made)
                 made.bind(place)
                 made.listen(1)
-            except OSError:
+            except OSError as error:
                 self.close()
-                raise DeviceError(_in_use(f"node {node} on {bus}", _listener(place))) from None
+                if error.errno == errno.EADDRINUSE:
+                    raise DeviceError(_in_use(what, _listener(place))) from None
+                raise DeviceError(f"{what} cannot be claimed: {error.strerror}") from error
 
     def close(self) -> None:
         """Let go of them."""

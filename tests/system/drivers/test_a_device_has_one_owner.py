@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from cosim.base.errors import CohapticError
 from hil.device.errors import DeviceError
-from hil.wire.ownership import OwnedNodes
+from hil.wire.ownership import OwnedNodes, own_port
 from tests.support.hil.driver_bench import DRIVERS, Bench
 
 
@@ -54,3 +57,61 @@ def test_other_nodes_of_the_same_bus_are_free():
     OwnedNodes("can0", (4,)).close()
     for owned in (first, second):
         owned.close()
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="another user can be had by root alone")
+@pytest.mark.parametrize("kind", ["port", "node"])
+def test_another_user_is_refused_as_well(kind: str):
+    """Both ways: whoever has it first, the lock is no file that belongs to somebody."""
+    ours, theirs = os.openpty()
+    port = os.ttyname(theirs)
+    Path(port).chmod(0o666)  # as a group "dialout" would have it
+
+    def claim() -> object:
+        if kind == "node":
+            return OwnedNodes("can0", (3,))
+        descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY)
+        own_port(descriptor, port)
+        return descriptor
+
+    held = claim()
+    said = _as_nobody(claim)
+    assert f"in use by process {os.getpid()}" in said
+    if isinstance(held, OwnedNodes):
+        held.close()
+    else:
+        os.close(held)
+    assert _as_nobody(claim) == "taken"
+    for descriptor in (ours, theirs):
+        os.close(descriptor)
+
+
+def test_what_else_fails_is_not_said_to_be_in_use(monkeypatch):
+    """A process without free descriptors has met no other owner."""
+
+    def none_left(*_: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr("hil.wire.ownership.socket.socket", none_left)
+    with pytest.raises(DeviceError, match="node 1 on can0 cannot be claimed: Too many open files"):
+        OwnedNodes("can0", (1,))
+
+
+def _as_nobody(claim: Callable[[], object]) -> str:
+    """What becomes of a claim of the user 65534."""
+    read, write = os.pipe()
+    process = os.fork()
+    if process == 0:
+        said = "taken"
+        try:
+            os.setgroups([])
+            os.setresuid(65534, 65534, 65534)
+            claim()
+        except BaseException as error:
+            said = f"{type(error).__name__}: {error}"
+        os.write(write, said.encode())
+        os._exit(0)
+    os.waitpid(process, 0)
+    os.close(write)
+    with os.fdopen(read) as answer:
+        return answer.read()

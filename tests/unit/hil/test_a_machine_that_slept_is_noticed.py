@@ -4,6 +4,7 @@ awake."""
 from __future__ import annotations
 
 from pathlib import Path
+from time import CLOCK_BOOTTIME, monotonic
 from types import SimpleNamespace
 
 import pytest
@@ -109,3 +110,16 @@ def test_no_force_for_a_board_without_watchdog_on_a_machine_that_may_sleep(prote
         session.keep_awake(device)
     device.permission = SimpleNamespace(how="emulator, proved")
     session.keep_awake(device)
+
+
+def test_a_device_compares_the_clock_that_counts_sleep_with_the_one_that_does_not(monkeypatch):
+    """CLOCK_BOOTTIME against CLOCK_MONOTONIC (clock_gettime(2)): the first goes on in sleep."""
+    asleep = 0.0
+    monkeypatch.setattr("time.clock_gettime", lambda clock: float(clock == CLOCK_BOOTTIME) * asleep)
+    device = mock(Puppet(), clock=lambda: 0.0)
+    watch = device._around.sleep
+    watch._going = lambda: 0.0
+    assert watch.slept() == 0.0
+    asleep = 3.0
+    assert watch.slept() == pytest.approx(3.0)
+    assert SleepWatch()._going is monotonic
