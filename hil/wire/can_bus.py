@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -73,10 +73,12 @@ class CanBus:
     _received: int = 0
     _mine: set[int] = field(default_factory=set[int])
     _latest: dict[int, tuple[int, bytes]] = field(default_factory=dict[int, "tuple[int, bytes]"])
-    _before: dict[int, int] = field(default_factory=dict[int, int])
-    """How many frames of an identifier there were before the SYNC whose answers are read."""
-    _at_sync: dict[int, int] = field(default_factory=dict[int, int])
-    """How many there were before the newest SYNC."""
+    _came_after: dict[int, int] = field(default_factory=dict[int, int])
+    """Per identifier: the number of the SYNC that its newest frame came after."""
+    _sync: int = 0
+    """The newest SYNC's number; who begins anew counts as one."""
+    _answered: int = 0
+    """The number of the SYNC whose answers are read."""
     _collected: set[object] = field(default_factory=set[object])
     _stepping: bool = False
     _complaint: str | None = None
@@ -132,12 +134,12 @@ class CanBus:
             settled_counts(self.control, QUIET_AFTER_DEATH)
             self.resume()
         self._drain()
-        self._at_sync = self._counts()
+        self._sync += 1
 
     def resume(self) -> None:
         """Go on after somebody else has used the wire: what came for them is no answer to us."""
         self._drain(SETTLE_SECONDS)
-        self._at_sync = self._counts()
+        self._sync += 1
         self.count_from_here()
 
     def count_from_here(self) -> None:
@@ -174,7 +176,8 @@ class CanBus:
         if self.begin_tick is not None:
             # What is here by now answered an earlier SYNC, and does not say which.
             self._drain()
-            self._before = self._counts()
+            self._sync += 1
+            self._answered = self._sync
             self.begin_tick()
         self._collected = {device}
         self._refuse_queue()
@@ -196,7 +199,8 @@ class CanBus:
             self._step(self.control)
         else:
             self._drain()
-        self._before, self._at_sync = self._at_sync, self._counts()
+        self._answered = self._sync
+        self._sync += 1
         begin_tick()
 
     def _step(self, control: Control) -> None:
@@ -209,21 +213,22 @@ class CanBus:
             self._drain(SETTLE_SECONDS)
         self._received = max(self._received, expected)  # what is not here by now was lost
 
-    def _counts(self) -> dict[int, int]:
-        return {name: count for name, (count, _) in self._latest.items()}
-
     def latest(self, identifier: int) -> tuple[int, bytes] | None:
         """The newest frame of an identifier: (how many came so far, data)."""
         return self._latest.get(identifier)
 
     def answer(self, identifier: int) -> bytes | None:
         """What answered the SYNC whose answers are read, under an identifier; ``None``: nothing."""
-        count, data = self._latest.get(identifier, (0, b""))
-        return data if count > self._before.get(identifier, 0) else None
+        if self._came_after.get(identifier, -1) < self._answered:
+            return None
+        return self._latest[identifier][1]
 
-    def taken(self, identifier: int) -> list[bytes]:
+    def taken(self, identifier: int) -> Sequence[bytes]:
         """Every frame of an identifier in ``events`` since the last time."""
-        frames, self.events[identifier] = self.events[identifier], []
+        frames = self.events[identifier]
+        if not frames:
+            return ()
+        self.events[identifier] = []
         return frames
 
     def claim(self, identifiers: Iterable[int]) -> None:
@@ -262,26 +267,28 @@ class CanBus:
 
     def _take(self, frame: CanFrame) -> bool:
         """Whether it is a data frame of somebody else's."""
-        if frame.kind is FrameKind.SENT:
-            self._on_the_bus += 1
-            return False
-        if frame.kind is FrameKind.ERROR:
-            found = trouble(frame.identifier, frame.data)
-            self._complaint, self._off = found.said, found.is_off
-            if self._off:
-                self._refuse_if_off()
-            return False
         identifier = frame.identifier
-        # udp_multicast hands a sender its own frames
-        if frame.kind is FrameKind.OTHER or identifier in self._mine:
+        if frame.kind is not FrameKind.DATA:
+            self._take_other(frame)
+            return False
+        if identifier in self._mine:  # udp_multicast hands a sender its own frames
             return False
         self._complaint = None
         self._received += 1
-        count = self._latest[identifier][0] + 1 if identifier in self._latest else 1
-        self._latest[identifier] = (count, frame.data)
+        before = self._latest.get(identifier)
+        self._latest[identifier] = (1 if before is None else before[0] + 1, frame.data)
+        self._came_after[identifier] = self._sync
         if identifier in self.events:
             self.events[identifier].append(frame.data)
         return True
+
+    def _take_other(self, frame: CanFrame) -> None:
+        if frame.kind is FrameKind.SENT:
+            self._on_the_bus += 1
+        elif frame.kind is FrameKind.ERROR:
+            found = trouble(frame.identifier, frame.data)
+            self._complaint, self._off = found.said, found.is_off
+            self._refuse_if_off()
 
     def _refuse_if_off(self) -> None:
         if self._off:

@@ -21,6 +21,7 @@ from hil.wire.can_port import CanFrame, FrameKind
 _FRAME = struct.Struct("=IB3x8s")
 _EXTENDED, _REMOTE, _ERROR = 0x80000000, 0x40000000, 0x20000000
 _IDENTIFIER, _ALL_ERRORS = 0x7FF, 0x1FFFFFFF
+_NO_DATA = _EXTENDED | _REMOTE | _ERROR
 _ERROR_FILTER, _CONFIRMED = 2, 0x800
 """CAN_RAW_ERR_FILTER and MSG_CONFIRM, which not every Python's socket module has names for."""
 
@@ -73,14 +74,12 @@ class SocketCanPort:
             raise DeviceGone("is gone: it brings something that is no frame")
         word, size, content = _FRAME.unpack(data)
         content = content[:size]
+        if not (word & _NO_DATA or flags & _CONFIRMED):
+            return CanFrame(word & _IDENTIFIER, content)
         if word & _ERROR:
             return CanFrame(word & _ALL_ERRORS, content, FrameKind.ERROR)
-        identifier = word & _IDENTIFIER
-        if flags & _CONFIRMED:
-            return CanFrame(identifier, content, FrameKind.SENT)
-        if word & (_EXTENDED | _REMOTE):
-            return CanFrame(identifier, content, FrameKind.OTHER)
-        return CanFrame(identifier, content)
+        kind = FrameKind.SENT if flags & _CONFIRMED else FrameKind.OTHER
+        return CanFrame(word & _IDENTIFIER, content, kind)
 
     @contextmanager
     def for_set_up(self) -> Generator[Any]:

@@ -8,8 +8,6 @@ that starts anew, changes state or falls silent un-homes the device; an emergenc
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import ClassVar
 
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
@@ -26,7 +24,7 @@ from hil.drivers.canopen.settings import (
 )
 from hil.drivers.canopen.supervision import Events
 from hil.drivers.canopen.zero_check import ZeroCheck, ZeroPoint
-from hil.drivers.halves import send_each
+from hil.drivers.halves import Part, send_each
 from hil.drivers.samples import sample_of_counts
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
@@ -180,12 +178,12 @@ class CanopenDriver(CanopenMaster):
         self._beat()
 
     def _put(self, codes: tuple[int, int], torque: Pair = ZERO) -> None:
-        frames: list[tuple[tuple[int, ...], Callable[[], object]]] = []
+        parts: list[Part] = []
         for node in self._layout.driving:
             joints = self._layout.joints_driven(node)
             data = wire.outputs([codes[joint] for joint in joints])
-            frames.append((joints, partial(self._opened().send, wire.outputs_id(node), data)))
-        send_each(torque, frames)
+            parts.append((joints, wire.outputs_id(node), data))
+        send_each(self._opened().send, torque, parts)
 
     def send_zero(self) -> bool:
         """Zero without a heartbeat, so that the nodes' own zero follows; then ask for it back."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from hil.drivers.canopen import protocol as wire
@@ -37,6 +38,7 @@ class Supervision:
         self._silent_ticks = silent_ticks
         self.states = dict.fromkeys(nodes, NmtState.BOOT_UP)
         self._silence = dict.fromkeys(nodes, 0)
+        self._told = [(node, wire.heartbeat_id(node), wire.emergency_id(node)) for node in nodes]
 
     @property
     def all_operational(self) -> bool:
@@ -50,16 +52,16 @@ class Supervision:
             ProtocolError: a heartbeat or an emergency that cannot be one.
         """
         events = Events()
-        for node in self.states:
-            self._hear(node, bus.taken(wire.heartbeat_id(node)), events)
-            for data in bus.taken(wire.emergency_id(node)):
+        for node, heartbeats, emergencies in self._told:
+            self._hear(node, bus.taken(heartbeats), events)
+            for data in bus.taken(emergencies):
                 report = wire.emergency(data)
                 # One that takes errors back, and whose register shows one still, does not.
                 if report.code or report.register:
                     events.reports.setdefault(node, report)
         return events
 
-    def _hear(self, node: int, heartbeats: list[bytes], events: Events) -> None:
+    def _hear(self, node: int, heartbeats: Sequence[bytes], events: Events) -> None:
         self._silence[node] = 0 if heartbeats else self._silence[node] + 1
         for data in heartbeats:
             self.states[node] = state = wire.state(data)

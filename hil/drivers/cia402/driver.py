@@ -8,7 +8,6 @@ heartbeat and, by a timer, our commands themselves; either takes their torque of
 from __future__ import annotations
 
 from collections import deque
-from functools import partial
 from math import ceil
 from typing import ClassVar
 
@@ -251,14 +250,11 @@ class Cia402Driver(CanopenMaster):
     def _put(self, control: Controlword, codes: tuple[int, int], torque: Pair = ZERO) -> None:
         for code, recent in zip(codes, self._recent, strict=True):
             recent.append(code)
-        send, pairs = self._opened().send, zip(self._numbers, codes, strict=True)
-        send_each(
-            torque,
-            (
-                ((joint,), partial(send, wire.outputs_id(node), cia.command(control, code)))
-                for joint, (node, code) in enumerate(pairs)
-            ),
-        )
+        parts = [
+            ((joint,), wire.outputs_id(node), cia.command(control, codes[joint]))
+            for joint, node in enumerate(self._numbers)
+        ]
+        send_each(self._opened().send, torque, parts)
 
     # --- life cycle ------------------------------------------------------------------------------
 

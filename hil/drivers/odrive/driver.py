@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import ceil, pi
 from typing import ClassVar
 
@@ -195,13 +194,11 @@ class OdriveDriver(Driver):
         first, second = (_drive(joint.drive) for joint in self.file.joints)
         codes = first.encode(torque[0]), second.encode(torque[1])
         sent = first.decode(codes[0]), second.decode(codes[1])
-        send_each(
-            sent,
-            (
-                ((joint,), partial(self._to, node, OdriveCommand.SET_TORQUE, wire.set_torque(code)))
-                for joint, (node, code) in enumerate(zip(self._nodes, codes, strict=True))
-            ),
-        )
+        parts = [
+            ((joint,), identifier(node, OdriveCommand.SET_TORQUE), wire.set_torque(codes[joint]))
+            for joint, node in enumerate(self._nodes)
+        ]
+        send_each(self._opened().send, sent, parts)
         return sent
 
     def send_zero(self) -> bool:
