@@ -22,6 +22,8 @@ if sys.platform != "win32":
     import fcntl
     import termios
 
+_LOCKS = Path("/proc/locks")
+
 
 def own_port(descriptor: int, name: str) -> None:
     """Lock an open serial port.
@@ -90,11 +92,12 @@ def _name_of(process: int) -> str:
 
 def _holder_of(descriptor: int) -> int | None:
     """The process that locked the file first, as /proc/locks has it (proc(5))."""
-    inode = os.fstat(descriptor).st_ino
+    status = os.fstat(descriptor)
+    device = f"{os.major(status.st_dev):02x}:{os.minor(status.st_dev):02x}"
     with contextlib.suppress(OSError, ValueError, IndexError):
-        for line in Path("/proc/locks").read_text("ascii").splitlines():
+        for line in _LOCKS.read_text("ascii").splitlines():
             fields = line.split()
-            if fields[1] == "FLOCK" and int(fields[5].rpartition(":")[2]) == inode:
+            if fields[1] == "FLOCK" and fields[5] == f"{device}:{status.st_ino}":
                 return int(fields[4])
     return None
 

@@ -86,6 +86,26 @@ def test_another_user_is_refused_as_well(kind: str):
         os.close(descriptor)
 
 
+def test_the_owner_is_not_taken_for_one_of_another_file_with_the_same_number(
+    tmp_path: Path, monkeypatch
+):
+    """An inode's number is one on its own file system alone (proc(5), /proc/locks)."""
+    ours, theirs = os.openpty()
+    port, number = os.ttyname(theirs), os.fstat(theirs).st_ino
+    locks = tmp_path / "locks"
+    locks.write_text(
+        f"1: FLOCK  ADVISORY  WRITE 4242 fe:00:{number} 0 EOF\n" + Path("/proc/locks").read_text()
+    )
+    own_port(theirs, port)
+    locks.write_text(locks.read_text() + Path("/proc/locks").read_text())
+    monkeypatch.setattr("hil.wire.ownership._LOCKS", locks)
+    second = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    with pytest.raises(DeviceError, match="another device of this very run"):
+        own_port(second, port)
+    for descriptor in (ours, theirs, second):
+        os.close(descriptor)
+
+
 def test_what_else_fails_is_not_said_to_be_in_use(monkeypatch):
     """A process without free descriptors has met no other owner."""
 
