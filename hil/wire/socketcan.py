@@ -45,8 +45,6 @@ class SocketCanPort:
                 f"the CAN interface {channel} cannot be opened: {error.strerror}"
             ) from error
         self._socket.setblocking(False)
-        self._poll = select.poll()
-        self._poll.register(self._socket.fileno(), select.POLLIN)
 
     def send(self, identifier: int, data: bytes, *, remote: bool) -> None:
         """Queue a frame."""
@@ -62,7 +60,8 @@ class SocketCanPort:
 
     def receive(self, wait: float) -> CanFrame | None:
         """The next frame, ``None`` where none comes within ``wait`` (s)."""
-        if wait > 0.0 and not self._poll.poll(wait * 1e3):
+        # Not poll(2), which knows whole milliseconds alone: more than all devices have in a tick.
+        if wait > 0.0 and not select.select([self._socket], [], [], wait)[0]:
             return None
         try:
             data, _, flags, _ = self._socket.recvmsg(_FRAME.size)

@@ -6,11 +6,13 @@ notice is over within one frame.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import tty
 
 import pytest
+from can import CanError, CanOperationError, Message
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -103,6 +105,37 @@ def test_bytes_that_are_no_text_do_not_stop_the_bus():
         bus.shutdown()
         os.close(master)
         os.close(slave)
+
+
+def test_an_adapter_that_takes_no_more_is_an_error_and_no_wait():
+    """A loop that waited for it would be killed with its torque still out."""
+    master, slave = os.openpty()
+    tty.setraw(master)
+    bus = StrictSlcanBus(os.ttyname(slave), sleep_after_open=0.0)
+    frame = Message(arbitration_id=0x201, data=bytes(8), is_extended_id=False)
+
+    def fill() -> None:
+        for _ in range(100_000):
+            bus.send(frame)
+
+    with pytest.raises(CanOperationError, match="takes no more"):
+        fill()
+    with contextlib.suppress(CanOperationError):
+        bus.shutdown()
+    os.close(master)
+    os.close(slave)
+
+
+def test_a_lost_adapter_is_an_error():
+    master, slave = os.openpty()
+    tty.setraw(master)
+    bus = StrictSlcanBus(os.ttyname(slave), sleep_after_open=0.0)
+    os.close(master)
+    with pytest.raises((OSError, CanError)):
+        bus.recv(0.5)
+    with contextlib.suppress(OSError, CanError):
+        bus.shutdown()
+    os.close(slave)
 
 
 def exchanged(ticks: int, to_board=None, to_host=None, at: int = 5):
