@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import socket
 from math import isfinite, pi
 from types import SimpleNamespace
 from typing import Any
@@ -132,12 +133,11 @@ def _made() -> tuple[Device, CanBus]:
 
 def slcan_bus(data: bytes) -> None:
     """Any bytes from an adapter: frames or nothing, and in step at the second line."""
-    bus = _slcan()
-    bus.serialPortOrig.read(4096)
+    adapter, bus = _slcan()
     script = Script(data)
     lines = [f"t{0x029 + n:03x}8{n:016x}\r".encode() for n in range(script.number(6))]
     stream = spoil(b"".join(lines), script) + script.rest()
-    bus.serialPortOrig.write(stream[:2000] + b"t1231AB\rt1241CD\r")
+    adapter.sendall(stream[:2000] + b"t1231AB\rt1241CD\r")
     found = []
     while (message := bus.recv(0)) is not None:
         assert message.dlc == len(message.data) <= 8
@@ -147,8 +147,12 @@ def slcan_bus(data: bytes) -> None:
 
 
 @functools.cache
-def _slcan() -> StrictSlcanBus:
-    return StrictSlcanBus("loop://", sleep_after_open=0.0)
+def _slcan() -> tuple[socket.socket, StrictSlcanBus]:
+    """An adapter's end of a connection on this machine, and the bus at the other one."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        place = f"socket://127.0.0.1:{server.getsockname()[1]}"
+        bus = StrictSlcanBus(place, sleep_after_open=0.0)
+        return server.accept()[0], bus
 
 
 TARGETS = {
