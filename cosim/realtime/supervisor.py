@@ -163,7 +163,7 @@ class _Watch:
         gone = still > COMMAND_SLOW_SECONDS or (
             still > COMMAND_STOPPED_SECONDS and _is_stopped(self._command)
         )
-        return pending() or gone or bool(self._poll.poll(0))
+        return pending() or gone or bool(self._poll.poll(0)) or is_dying(self._command)
 
     def _reason_to_kill(self, now: float) -> str | None:
         pulse, state = self._pulse, self._pulse.loop_state
