@@ -55,3 +55,21 @@ def test_what_was_typed_before_the_question_is_no_answer(tmp_path: Path):
         assert run.command.poll() is None, "it waits for its answer"
     finally:
         run.end()
+
+
+@pytest.mark.parametrize("question", ["Type 'enable'", "press Enter"])
+def test_ctrl_c_at_a_question_ends_without_a_word_of_python(question: str, tmp_path: Path):
+    run = Run(tmp_path, "cobs")
+    try:
+        run.begin()
+        run.listen_for("Type 'enable'")
+        if question == "press Enter":
+            run.type("enable\n")
+            run.listen_for(question)
+        run.type("\x03")
+        assert run.status() == 1
+        assert run.said.splitlines()[-1] == "Aborted!", run.said
+        assert not any(word in run.said for word in ("Error", "Interrupt", "Traceback", "failed"))
+        assert not any(any(pair) for _, *pair in run.seen().torques)
+    finally:
+        run.end()
