@@ -35,6 +35,14 @@ def play(tmp_path):
         each.__exit__(None, None, None)
 
 
+@pytest.fixture(scope="module")
+def goes_on(tmp_path_factory):
+    """The address of one long take, for tests that leave it as they found it."""
+    out = tmp_path_factory.mktemp("play") / "take"
+    with command("play", "--no-browser", "--duration", "600", "--out", str(out)) as (address, _):
+        yield address
+
+
 def place(page, x=0.0, y=0.0):
     """Pixels of a place beside the middle of the scene (px, upwards)."""
     box = page.locator("#scene").bounding_box()
@@ -56,8 +64,9 @@ def box(page, name="vr_a"):
 
 def carry(page, x, y, steps=40):
     """Move the mouse there in small steps."""
+    middle = place(page)
     for step in range(1, steps + 1):
-        page.mouse.move(*place(page, x * step / steps, y * step / steps))
+        page.mouse.move(middle[0] + x * step / steps, middle[1] - y * step / steps)
         time.sleep(0.02)
 
 
@@ -98,9 +107,10 @@ def test_two_pages_are_two_users(chromium, play):
         pinch(other, -20)
         until(one, ALL_TOUCH)
         before = box(one, "vr_b")
+        (x, y), (u, v) = place(one), place(other, 0, -20)
         for step in range(1, 31):
-            one.mouse.move(*place(one, 1.5 * step, step))
-            other.mouse.move(*place(other, 1.5 * step, -20 + step))
+            one.mouse.move(x + 1.5 * step, y - step)
+            other.mouse.move(u + 1.5 * step, v - step)
             time.sleep(0.02)
         until(other, f"cohaptic.value('vr_b.box_pose.x') > {before[0] + 0.01}")
         assert max(apart(one), apart(other)) < 0.01
@@ -163,9 +173,8 @@ def test_the_delay_that_a_page_turns_up_is_what_breaks_the_grasp(chromium, play)
         assert found[1] > 2 * max(found[0], found[2])
 
 
-def test_keys_touches_and_a_gamepad_are_hands_too(chromium, play):
-    address = play[0]()
-    with shown(chromium, address, has_touch=True) as page:
+def test_keys_touches_and_a_gamepad_are_hands_too(chromium, goes_on):
+    with shown(chromium, goes_on, has_touch=True) as page:
         until(page, "cohaptic.run.scene.pointers.length === 2")
         valid = "cohaptic.value('pointer_station_a.valid')"
         page.focus("#scene")
@@ -195,12 +204,11 @@ def test_keys_touches_and_a_gamepad_are_hands_too(chromium, play):
         until(page, f"Math.abs({across} - {before}) > 0.01")
 
 
-def test_a_page_that_goes_is_nobody_and_its_hand_lets_go(chromium, play):
-    address = play[0]()
-    with shown(chromium, address, 700) as stays:
+def test_a_page_that_goes_is_nobody_and_its_hand_lets_go(chromium, goes_on):
+    with shown(chromium, goes_on, 700) as stays:
         page_context = chromium.new_context()
         page = page_context.new_page()
-        page.goto(address)
+        page.goto(goes_on)
         until(page, "globalThis.cohaptic && cohaptic.time !== null")
         until(page, "document.getElementById('user').value === 'station_b'")
         pinch(page, -20)
@@ -210,9 +218,8 @@ def test_a_page_that_goes_is_nobody_and_its_hand_lets_go(chromium, play):
         until(stays, "!document.querySelector('#user option[value=station_b]').disabled")
 
 
-def test_pause_step_and_slow_motion(chromium, play):
-    address = play[0]()
-    with shown(chromium, address) as page:
+def test_pause_step_and_slow_motion(chromium, goes_on):
+    with shown(chromium, goes_on) as page:
         page.click("#pause")
         until(page, "document.getElementById('pause').getAttribute('aria-pressed') === 'true'")
         time.sleep(0.4)
@@ -230,14 +237,17 @@ def test_pause_step_and_slow_motion(chromium, play):
         time.sleep(1.5)
         passed = page.evaluate("cohaptic.time") - moment
         assert passed / (time.monotonic() - began) < 0.2
+        page.select_option("#speed", "1")
+        moment = page.evaluate("cohaptic.time")
+        until(page, f"cohaptic.time > {moment} + 0.5", 2)
 
 
-def test_the_switch_is_on_the_first_screen_and_a_sample_is_one(chromium, play):
-    with shown(chromium, play[0](), 1000, 800) as page:
+def test_the_switch_is_on_the_first_screen_and_a_sample_is_one(chromium, goes_on):
+    with shown(chromium, goes_on, 1000, 800) as page:
         until(page, "document.getElementById('knob-control')")
         switch = page.locator("#knob-control").bounding_box()
         assert switch["y"] + switch["height"] <= 800
         knob = "[id='knob-lan.round_trip_delay']"
-        for value, told in (("1", "1 sample"), ("2", "2 samples")):
+        for value, told in (("2", "2 samples"), ("1", "1 sample")):
             page.fill(knob, value)
             assert page.inner_text(f"{knob} + output") == told

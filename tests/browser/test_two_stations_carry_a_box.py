@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from contextlib import ExitStack
 
 import numpy as np
@@ -15,7 +16,8 @@ from cosim.record.reader import open_run
 from cosim.testing.impairment import BadNetwork, Impairer
 from cosim.testing.proxy import Proxy
 from tests.browser.conftest import command, shown, until
-from tests.browser.test_people_carry_a_box import ALL_TOUCH, box, carry, pinch
+from tests.browser.readable import too_faint
+from tests.browser.test_people_carry_a_box import ALL_TOUCH, box, pinch, place
 from tests.support.link.processes import free_ports
 
 pytestmark = pytest.mark.browser
@@ -63,15 +65,18 @@ def test_both_copies_agree_as_the_measured_link_foretells(chromium, network, tmp
         for page in pages:
             until(page, ALL_TOUCH)
         before = box(pages[0], "vr_a")[1], box(pages[1], "vr_b")[1]
+        middles = [place(page, 0, y) for page, y in zip(pages, (0, -20), strict=True)]
         for step in range(1, 51):
-            for page, y in zip(pages, (0, -20), strict=True):
-                carry(page, 0, y + step, 1)
+            for page, (x, y) in zip(pages, middles, strict=True):
+                page.mouse.move(x, y - step)
+            time.sleep(0.02)
         for page, name, start in zip(pages, ("vr_a", "vr_b"), before, strict=True):
             until(page, f"cohaptic.value('{name}.box_pose.y') > {start} + 0.01", 30)
     merged, again = tmp_path / "merged", tmp_path / "again"
     run = CliRunner().invoke
     done = run(cli, ["merge", *(str(tmp_path / name) for name in network), "--out", str(merged)])
     assert done.exit_code == 0, done.output
+    the_page_has_both(chromium, merged / "report.html")
     replay = ["play", "--again", str(merged), "--with", str(merged / "measured.yaml")]
     done = run(cli, [*replay, "--out", str(again)])
     assert done.exit_code == 0, done.output
@@ -83,6 +88,24 @@ def test_both_copies_agree_as_the_measured_link_foretells(chromium, network, tmp
         until_lost = both_counted(real)
         assert until_lost > 0
         assert np.abs(apart - drift(foretold))[:until_lost].max() < 1e-9
+
+
+def the_page_has_both(chromium, file):
+    """The merged page: both copies in one scene, both stations' numbers, and the theory."""
+    context = chromium.new_context(viewport={"width": 400, "height": 800})
+    page = context.new_page()
+    page.goto(f"file://{file}")
+    until(page, "document.documentElement.dataset.ready === 'yes'", ready="report")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    table = page.locator("section[aria-labelledby=stations]").inner_text()
+    for told in ("station_a", "station_b", "round trip", "deadlines: misses"):
+        assert told in table
+    assert "spectral radius" in page.locator("section[aria-labelledby=theory]").inner_text()
+    named = page.locator("#stage").inner_text()
+    assert "station_a" in named
+    assert "station_b" in named
+    assert too_faint(page) == []
+    context.close()
 
 
 def both_counted(run):
