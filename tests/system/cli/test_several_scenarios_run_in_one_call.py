@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
 import json
-import os
-import pty
 import re
-import struct
-import subprocess
-import termios
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -20,7 +13,8 @@ from hypothesis import strategies as st
 
 from cosim.base.errors import RunError
 from cosim.cli.support.run.junit import RunEnd, junit
-from tests.support.command import COHAPTIC, cohaptic
+from tests.support.command import cohaptic
+from tests.support.terminal import at_a_terminal
 
 SHORT = ("--duration", "0.05", "--no-figure")
 TWO = ("single_user", "single_axis_distributed")
@@ -100,28 +94,6 @@ def test_check_reads_several_and_says_all_that_is_wrong(tmp_path: Path) -> None:
     assert bad.returncode == 2
     assert "nowhere" in bad.stderr
     assert "thesis/elsewhere" in bad.stderr
-
-
-def at_a_terminal(columns: int, arguments: list[str], folder: Path) -> str:
-    """What is shown on a terminal of so many columns; what goes beside it is left out."""
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 60, columns, 0, 0))
-    process = subprocess.Popen(
-        [*COHAPTIC, *arguments],
-        cwd=folder,
-        stdin=theirs,
-        stdout=theirs,
-        stderr=subprocess.DEVNULL,
-        env={key: value for key, value in os.environ.items() if key not in {"COLUMNS", "LINES"}},
-    )
-    os.close(theirs)
-    shown = b""
-    with contextlib.suppress(OSError):  # the terminal's other end is closed
-        while piece := os.read(ours, 4096):
-            shown += piece
-    os.close(ours)
-    assert process.wait(60) in {0, 1}
-    return shown.decode()
 
 
 @pytest.mark.parametrize("arguments", [("check",), ("run", *SHORT)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -30,6 +31,7 @@ from hil.device.contract import State
 from hil.device.errors import Cause
 from hil.drivers.mock.driver import MockDriver
 from tests.support.hil.hil_bench import QUANSER, REST_ANGLE, Puppet, mock, rested, run
+from tests.support.terminal import at_a_terminal
 
 LATENESS = SimpleNamespace(misses=3, slipped=4, worst=1_500_000)
 COMPONENT = DeviceComponent(MockDriver, "mock://", {})
@@ -205,3 +207,21 @@ def test_a_plot_shows_every_peak(values):
     if max(values) > min(values):
         assert "█" in lines[0], "the largest value reaches the top line"
     assert plot("a", "m", []) == ["a: nothing yet"]
+
+
+@given(
+    name=st.text("ab.[1]_", min_size=1, max_size=90),
+    unit=st.sampled_from(["", "m", "N.m.s/rad"]),
+    values=st.lists(st.floats(-1e300, 1e300), min_size=1, max_size=90),
+)
+def test_no_line_of_a_plot_is_longer_than_the_terminal_is_wide(name, unit, values):
+    assert max(map(len, plot(name, unit, values, 40))) <= 40
+
+
+def test_a_terminal_of_40_columns_shows_status_and_signals(feed, tmp_path):
+    StatusWriter(feed.status, [active()], LATENESS).write(5)
+    words = ["live", feed_name(), "--show", "vr.*", "--seconds", "0.4"]
+    shown = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", at_a_terminal(40, words, tmp_path))
+    assert max(map(len, shown.splitlines())) <= 40
+    for told in ("tick 5", "vr.box.x: nothing yet", "vr.contacts: nothing yet", "Ctrl-C"):
+        assert told in shown
