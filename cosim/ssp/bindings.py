@@ -1,0 +1,93 @@
+"""The values of a system's parameters: later bindings win, and outer ones over inner ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning
+from cosim.ssp.hierarchy import Hierarchy, Path, Port
+from cosim.ssp.parameters import GivenValue, in_unit
+from cosim.ssp.structure import SspSystem
+
+
+class BoundValues:
+    """By component and variable; ``notes`` gets what is worth telling."""
+
+    def __init__(self, hierarchy: Hierarchy, notes: list[str]) -> None:
+        self._hierarchy = hierarchy
+        self._notes = notes
+        self._values: dict[Path, dict[str, Any]] = {}
+
+    def of(self, path: Path) -> Mapping[str, Any]:
+        """Those of a component."""
+        return self._values.get(path, {})
+
+    def bind(self, system: SspSystem, at: Path) -> None:
+        """Take the bindings of a system and of all within it.
+
+        Raises:
+            InputError: a value does not fit its variable's unit.
+        """
+        for name, element in system.elements.items():
+            path = (*at, name)
+            if isinstance(element, SspSystem):
+                self.bind(element, path)
+                continue
+            for binding in element.bindings:
+                self._notes += binding.notes
+                for variable, value in binding.values.items():
+                    self._set(path, variable, value)
+        for binding in system.bindings:
+            self._notes += binding.notes
+            for name, value in binding.values.items():
+                targets = self._targets(system, at, name)
+                if not targets:
+                    self._notes.append(f"nothing in {system.name} has the parameter {name}")
+                for path, variable, moved in targets:
+                    self._set(path, variable, value.moved(*moved))
+
+    def _targets(
+        self, system: SspSystem, at: Path, name: str
+    ) -> list[tuple[Path, str, tuple[float, float]]]:
+        """The components' variables that a name in a system means."""
+        if name in system.kinds:
+            return self._behind((at, name), (1.0, 0.0))
+        for child, element in system.elements.items():
+            if not name.startswith(f"{child}."):
+                continue
+            rest, path = name[len(child) + 1 :], (*at, child)
+            if isinstance(element, SspSystem):
+                return self._targets(element, path, rest)
+            return [(path, rest, (1.0, 0.0))]
+        return []
+
+    def _behind(
+        self, port: Port, moved: tuple[float, float]
+    ) -> list[tuple[Path, str, tuple[float, float]]]:
+        found: list[tuple[Path, str, tuple[float, float]]] = []
+        for target, edge in self._hierarchy.drivers.items():
+            if edge.source == port:
+                factor, offset = edge.connection.factor, edge.connection.offset
+                then = (factor * moved[0], factor * moved[1] + offset)
+                if target[0] in self._hierarchy.components:
+                    found.append((*target, then))
+                else:
+                    found += self._behind(target, then)
+        return found
+
+    def _set(self, path: Path, name: str, given: GivenValue) -> None:
+        try:
+            variable = self._hierarchy.variable(path, name)
+        except InputError as error:
+            self._notes.append(f"a parameter set: {error.message}")
+            return
+        unit = self._hierarchy.unit(path, variable)
+        try:
+            value = in_unit(given, unit)
+        except ValueError as error:
+            raise InputError(f"{'.'.join(path)}.{name}: {error}") from None
+        if variable.meaning is Meaning.FILE and value:
+            value = str((self._hierarchy.file.parent / str(value)).absolute())
+        self._values.setdefault(path, {})[name] = value

@@ -1,0 +1,163 @@
+"""What a system structure consists of: components by their paths, and what drives each connector.
+
+Hierarchy is resolved: a component's input is followed through the connectors of the systems around
+it to the output that drives it. What drives is told by the kinds of connectors, not by ``start``
+and ``end``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cosim.base.component import Variable
+from cosim.base.errors import InputError
+from cosim.base.quantities.units import Unit
+from cosim.base.suggest import did_you_mean
+from cosim.master.fmu.description import FmuDescription
+from cosim.master.fmu.reading import read_description
+from cosim.ssp.documents import place
+from cosim.ssp.structure import SspComponent, SspConnection, SspStructure, SspSystem, is_sink
+
+_INDEX = re.compile(r"(.+?)(\[[\d,]+\])?")
+Path = tuple[str, ...]
+"""The names of the elements around and of an element itself, from the root on."""
+Port = tuple[Path, str]
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenBy:
+    """Where a value comes from, and what happens to it on the way."""
+
+    source: Port
+    connection: SspConnection
+
+
+class Hierarchy:
+    """The elements of a structure, read."""
+
+    def __init__(self, structure: SspStructure) -> None:
+        """Read every FMU.
+
+        Raises:
+            InputError: one is missing, or a connection joins what it cannot.
+        """
+        self.file = structure.file
+        self.components: dict[Path, SspComponent] = {}
+        self.names: dict[Path, str] = {}
+        """What the components are called in the scenario."""
+        self.fmus: dict[Path, FmuDescription] = {}
+        self.drivers: dict[Port, DrivenBy] = {}
+        """Where the value of each connector comes from."""
+        self._collect(structure.system, ())
+
+    def variable(self, path: Path, name: str) -> Variable:
+        """A component's variable, or that of which ``name`` is an element.
+
+        Raises:
+            InputError: there is none.
+        """
+        bare = _INDEX.fullmatch(name)
+        variables = self.fmus[path].variables
+        variable = variables.get(name) or (variables.get(bare[1]) if bare else None)
+        if variable is None:
+            raise InputError(
+                f"{'.'.join(path)} has no variable '{name}'.{did_you_mean(name, variables)}"
+            )
+        return variable
+
+    def unit(self, path: Path, variable: Variable) -> Unit | None:
+        """The unit of a component's variable."""
+        return self.fmus[path].interface("", feedthrough=False).unit(variable.name)
+
+    def _collect(self, system: SspSystem, at: Path) -> None:
+        for name, element in system.elements.items():
+            path = (*at, name)
+            if isinstance(element, SspSystem):
+                self._collect(element, path)
+                continue
+            if not element.source.exists():
+                raise InputError(
+                    f"there is no {element.source} for the component '{name}'.",
+                    place(self.file, element.element),
+                )
+            self.components[path] = element
+            description = read_description(element.source.absolute())
+            mode = element.own.get("event_mode")
+            self.fmus[path] = description.in_mode(None if mode is None else plain(mode))
+            self.names[path] = self._name(path)
+        for connection in system.connections:
+            self._add(connection, system, at)
+
+    def _name(self, path: Path) -> str:
+        wanted = re.sub(r"\W", "_", "_".join(path)).lstrip("_0123456789") or "component"
+        name, number = wanted, 2
+        while name in self.names.values():
+            name, number = f"{wanted}_{number}", number + 1
+        return name
+
+    def _add(self, connection: SspConnection, system: SspSystem, at: Path) -> None:
+        ends = [
+            self._end(end, connection, system, at) for end in (connection.start, connection.end)
+        ]
+        sinks = [sink for _, sink in ends]
+        if sinks[0] == sinks[1]:
+            what = "take values" if sinks[0] else "give values"
+            raise InputError(
+                f"both ends of the connection from {_shown(connection.start)} to "
+                f"{_shown(connection.end)} {what}.",
+                place(self.file, connection.element),
+            )
+        target, source = (ends[0][0], ends[1][0]) if sinks[0] else (ends[1][0], ends[0][0])
+        if target in self.drivers:
+            raise InputError(
+                f"{'.'.join(target[0])}.{target[1]} is driven twice.",
+                place(self.file, connection.element),
+            )
+        self.drivers[target] = DrivenBy(source, connection)
+
+    def _end(
+        self, end: tuple[str | None, str], connection: SspConnection, system: SspSystem, at: Path
+    ) -> tuple[Port, bool]:
+        """A port, and whether it takes values from this connection."""
+        name, connector = end
+        bare = _INDEX.fullmatch(connector)
+        key = bare[1] if bare else connector
+        if name is None:
+            kind = system.kinds.get(connector, system.kinds.get(key))
+            if kind is None:
+                raise InputError(
+                    f"the system '{system.name}' has no connector '{connector}'."
+                    f"{did_you_mean(connector, system.kinds)}",
+                    place(self.file, connection.element),
+                )
+            return (at, connector), is_sink(kind, outside=False)
+        element = system.elements.get(name)
+        if element is None:
+            raise InputError(
+                f"the system '{system.name}' has no element '{name}'."
+                f"{did_you_mean(name, system.elements)}",
+                place(self.file, connection.element),
+            )
+        kind = element.kinds.get(connector, element.kinds.get(key, "unspecified"))
+        if kind == "unspecified" and isinstance(element, SspComponent):
+            kind = self._kind_of((*at, name), connector)
+        return ((*at, name), connector), is_sink(kind, outside=True)
+
+    def _kind_of(self, path: Path, connector: str) -> str:
+        variable = self.fmus[path].variables.get(connector)
+        return "unspecified" if variable is None else str(variable.causality)
+
+
+def plain(text: str) -> Any:
+    """An attribute of our annotation as the scalar that it was."""
+    known: Mapping[str, Any] = {"true": True, "false": False}
+    if text in known:
+        return known[text]
+    return int(text) if text.isdecimal() else text
+
+
+def _shown(end: tuple[str | None, str]) -> str:
+    return f"{end[0]}.{end[1]}" if end[0] else end[1]
