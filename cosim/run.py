@@ -5,42 +5,42 @@ The commands, sweeps and tests all run scenarios through here.
 
 from __future__ import annotations
 
-import hashlib
 import html
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
-from cosim.base.recording import RecordGroup
-from cosim.master.assembly.files import files_of
 from cosim.master.run.execution.loop import Progress
 from cosim.master.run.outcome import Outcome
 from cosim.master.run.simulation import Simulation
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge, prepare
-from cosim.record.folder import check_folder, new_folder
+from cosim.record.folder import check_folder
 from cosim.record.manifest import conclude, describe, replace_file, write_json, write_manifest
-from cosim.record.playback import records_of
-from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, open_run
+from cosim.record.reader import Run, open_run
 from cosim.record.writer import Recorder
 from cosim.report.drawings import Drawings
 from cosim.report.expectation import Expectation
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
 from cosim.scenario import Scenario
-from cosim.scenario.resolved import to_yaml
 from cosim.scene import describe_scene
 
 if TYPE_CHECKING:
     from cosim.theory.stability.told import ToldLoop
+from cosim.preparation.provenance import components_of_run, input_files
+from cosim.preparation.run_folder import FolderRecorder
 
 LOG_FILE = "fmu.log"
+
+
 _SHOWN = 8
 """Measures that a notebook shows of a run."""
+
+
 Execute = Callable[[Simulation, Recorder, Progress | None], None]
 """Runs a simulation to its end into a recorder."""
 
@@ -89,46 +89,6 @@ class RunWatcher(Protocol):
         ...
 
 
-class _FolderRecorder(Recorder):
-    """Creates the run's folder when the first tick is due: bad input leaves nothing behind."""
-
-    def __init__(
-        self,
-        scenario: Scenario,
-        out: Path | None,
-        manifest: dict[str, Any],
-        began: float,
-        watcher: RunWatcher | None,
-    ) -> None:
-        super().__init__(Path(RUN_FILE), scenario.ticks, scenario.start_tick)
-        self.folder: Path | None = None
-        self.start_up_time = 0.0
-        self._scenario, self._out, self._manifest, self._began = scenario, out, manifest, began
-        self._watcher = watcher
-
-    def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
-        self.folder = new_folder(self._scenario.name, self._out)
-        self.path = self.folder / RUN_FILE
-        try:
-            self._write_scenario(self._scenario)
-            write_manifest(self.folder, self._manifest)
-        except OSError as error:
-            raise self.refusal(error) from error
-        super().begin(groups, base_rate)
-        if self._watcher is not None:
-            self._watcher.begun(self.folder)
-        self.start_up_time = time.perf_counter() - self._began
-
-    def keep_scenario(self, scenario: Scenario) -> None:
-        """What ran in the end, which differs from what began where something was turned by hand."""
-        if self.folder is not None and scenario != self._scenario:
-            self._write_scenario(scenario)
-
-    def _write_scenario(self, scenario: Scenario) -> None:
-        assert self.folder is not None
-        (self.folder / SCENARIO_FILE).write_text(to_yaml(scenario), encoding="utf-8")
-
-
 def run_scenario(
     scenario: Scenario,
     out: Path | None = None,
@@ -172,10 +132,11 @@ def run_scenario(
             say(f"warning: {warning}")
     expectations = prepared.expectations
     with prepared.simulation as simulation:
-        manifest = describe(simulation.scenario, _components(simulation))
-        manifest["files"] = _input_files(simulation)
+        manifest = describe(simulation.scenario, components_of_run(simulation))
+        manifest["files"] = input_files(simulation)
         manifest["notes"] = [*simulation.notes, *prepared.warnings]
-        recorder = _FolderRecorder(simulation.scenario, out, manifest, began, watcher)
+        tell = None if watcher is None else watcher.begun
+        recorder = FolderRecorder(simulation.scenario, out, manifest, began, tell)
         error = _run(simulation, recorder, execute or _here, progress)
         recorder.keep_scenario(simulation.replay())
         folder, outcome = recorder.folder, simulation.outcome
@@ -272,33 +233,7 @@ def _report(
     return content
 
 
-def _components(simulation: Simulation) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
-    for name, component in simulation.scenario.components.items():
-        found[name] = {"kind": str(component.kind), "source": component.source}
-        fmu = simulation.assembly.participants[name].fmu
-        if fmu is not None:
-            found[name] |= {"fmi": fmu.version, "token": fmu.token, "sha256": fmu.sha256}
-    return found
-
-
-def _input_files(simulation: Simulation) -> dict[str, str]:
-    """SHA-256 (hex) by path of what else the numbers depend on.
-
-    Tables, traces, device files and records played back; where there is no file, its reader says
-    so.
-    """
-    scenario, participants = simulation.scenario, simulation.assembly.participants
-    named = {*files_of(scenario, participants), *records_of(scenario)}
-    return {str(file): _sha256(file) for file in sorted(named) if file.is_file()}
-
-
-def _sha256(file: Path) -> str:
-    with file.open("rb") as content:
-        return hashlib.file_digest(content, "sha256").hexdigest()
-
-
-def _timing(outcome: Outcome, recorder: _FolderRecorder, scenario: Scenario) -> dict[str, float]:
+def _timing(outcome: Outcome, recorder: FolderRecorder, scenario: Scenario) -> dict[str, float]:
     """The loop's wall time with everything recorded, start-up and figure apart."""
     wall_time = outcome.wall_time + recorder.drain_time
     simulated = float(outcome.ticks / scenario.base_rate)
