@@ -42,6 +42,22 @@ References = ctypes.POINTER(ctypes.c_uint32)
 Texts = ctypes.POINTER(ctypes.c_char_p)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InstanceWanted:
+    """What an instance is made with, in either version of the standard."""
+
+    name: str
+    token: str
+    """As the description has it, so that the library knows that it belongs to it."""
+    resources: Path
+    """The folder, which need not be there."""
+    log_all: bool
+    event_mode: bool
+    """Whether event mode is used; FMI 2.0 has none in co-simulation."""
+    early_return: bool
+    """Whether a step may end early, at an event."""
+
+
 class Library:
     """An opened shared library with the typed functions of one version of FMI.
 
@@ -124,16 +140,7 @@ class Binding(Protocol):
 
     handle: int
 
-    def instantiate(
-        self,
-        name: str,
-        token: str,
-        resources: Path,
-        *,
-        log_all: bool,
-        event_mode: bool,
-        early_return: bool,
-    ) -> bool:
+    def instantiate(self, wanted: InstanceWanted) -> bool:
         """Make the instance; whether the FMU did."""
         ...
 

@@ -7,10 +7,9 @@ import sys
 from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache
-from pathlib import Path
 
 from cosim.base.component import VariableType
-from cosim.master.fmu.binding import OK, Library, Prototype, References, Texts
+from cosim.master.fmu.binding import OK, InstanceWanted, Library, Prototype, References, Texts
 from cosim.master.fmu.bound import Bound, Types
 from cosim.master.fmu.state import FMI2
 from cosim.master.kernel.native import function_address, library
@@ -93,28 +92,18 @@ class Fmi2(Bound):
             componentEnvironment=environment,
         )
 
-    def instantiate(
-        self,
-        name: str,
-        token: str,
-        resources: Path,
-        *,
-        log_all: bool,
-        event_mode: bool = False,
-        early_return: bool = False,
-    ) -> bool:
-        """Make the instance; whether the FMU did. FMI 2.0 has no event mode in co-simulation."""
-        del event_mode, early_return
+    def instantiate(self, wanted: InstanceWanted) -> bool:
+        """Make the instance; whether the FMU did."""
         self._calling("fmi2Instantiate")
         self.handle = (
             self._functions["fmi2Instantiate"](
-                name.encode(),
+                wanted.name.encode(),
                 _CO_SIMULATION,
-                token.encode(),
-                resources.as_uri().encode(),
+                wanted.token.encode(),
+                wanted.resources.as_uri().encode(),
                 self._callbacks,
                 0,
-                log_all,
+                wanted.log_all,
             )
             or 0
         )

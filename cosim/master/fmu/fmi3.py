@@ -5,12 +5,11 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint8, c_void_p
-from pathlib import Path
 from typing import Any
 
 from cosim.base.component import VariableType
 from cosim.base.texts import MOST_BYTES
-from cosim.master.fmu.binding import OK, Library, Prototype, References, Texts
+from cosim.master.fmu.binding import OK, InstanceWanted, Library, Prototype, References, Texts
 from cosim.master.fmu.bound import Bound, Types
 from cosim.master.fmu.state import FMI3
 from cosim.master.kernel.native import function_address, library
@@ -126,28 +125,19 @@ class Fmi3(Bound):
         super().__init__("fmi3", TYPES, FMI3, functions, calling)
         self._environment = environment
 
-    def instantiate(
-        self,
-        name: str,
-        token: str,
-        resources: Path,
-        *,
-        log_all: bool,
-        event_mode: bool,
-        early_return: bool,
-    ) -> bool:
+    def instantiate(self, wanted: InstanceWanted) -> bool:
         """Make the instance; whether the FMU did."""
         self._calling("fmi3InstantiateCoSimulation")
         self.handle = (
             self._functions["fmi3InstantiateCoSimulation"](
-                name.encode(),
-                token.encode(),
+                wanted.name.encode(),
+                wanted.token.encode(),
                 # FMI 3 wants NULL where there are none.
-                f"{resources}/".encode() if resources.is_dir() else None,
+                f"{wanted.resources}/".encode() if wanted.resources.is_dir() else None,
                 False,
-                log_all,
-                event_mode,
-                early_return,
+                wanted.log_all,
+                wanted.event_mode,
+                wanted.early_return,
                 None,
                 0,
                 self._environment,

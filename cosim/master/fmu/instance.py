@@ -8,7 +8,7 @@ from typing import cast
 
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError
-from cosim.master.fmu.binding import FATAL, OK, WARNING, Binding
+from cosim.master.fmu.binding import FATAL, OK, WARNING, Binding, InstanceWanted
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
@@ -134,22 +134,23 @@ class Fmu:
                 " 'event_mode: false' does without"
             )
         categories = _error_categories(description.log_categories)
-        if not binding.instantiate(
-            self.component,
-            description.token,
-            description.folder / "resources",
+        events = description.events
+        wanted = InstanceWanted(
+            name=self.component,
+            token=description.token,
+            resources=description.folder / "resources",
             log_all=not categories,
-            event_mode=description.events is not None,
-            early_return=description.events is not None and description.events.may_return,
-        ):
+            event_mode=events is not None,
+            early_return=events is not None and events.may_return,
+        )
+        if not binding.instantiate(wanted):
             raise InputError(
                 f"{self.component}: the FMU {description.path.name} could not be "
                 f"instantiated{self._conduct.reasons()}"
             )
         if categories and binding.choose_log_categories(categories) == FATAL:
-            self._conduct.check_start(
-                "choose what is logged", FATAL
-            )  # any other refusal leaves it less to say
+            # Any other refusal leaves it less to say.
+            self._conduct.check_start("choose what is logged", FATAL)
 
     def manner_of_ending(self) -> str:
         """How the process that it has for itself has ended."""

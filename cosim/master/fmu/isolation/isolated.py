@@ -22,7 +22,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.system.manner import manner
-from cosim.master.fmu.binding import EVENT_FUNCTIONS, OK
+from cosim.master.fmu.binding import EVENT_FUNCTIONS, OK, InstanceWanted
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.log import Log
 from cosim.master.kernel.codes import FMI2_TYPE_CODES, TYPE_CODES
@@ -125,19 +125,9 @@ class Isolated:
         """
         self._ask("load")
 
-    def instantiate(
-        self,
-        name: str,
-        token: str,
-        resources: Path,
-        *,
-        log_all: bool,
-        event_mode: bool,
-        early_return: bool,
-    ) -> bool:
+    def instantiate(self, wanted: InstanceWanted) -> bool:
         """Make the instance; whether the FMU did."""
-        modes = {"log_all": log_all, "event_mode": event_mode, "early_return": early_return}
-        made = bool(self._ask("instantiate", name, token, resources, **modes))
+        made = bool(self._ask("instantiate", wanted))
         self.handle = ctypes.addressof(self._exchange.side) if made else 0
         return made
 
