@@ -238,10 +238,10 @@ class Isolated:
         self._ask("free")
         self.handle = 0
 
-    def _ask(self, method: str, *arguments: Any, **keys: Any) -> Any:
+    def _ask(self, method: str, *arguments: Any) -> Any:
         """What the same method of the binding there returns or raises."""
         try:
-            is_well, content = self._talk_about((method, arguments, keys))
+            is_well, content = self._talk_about((method, arguments))
         except (EOFError, OSError):
             self._exchange.side.is_gone = 1
             self._calling(self._exchange.noted)

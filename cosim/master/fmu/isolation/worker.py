@@ -70,17 +70,17 @@ class _Worker:
         serve = library().kernel_isolated_serve
         while serve(ctypes.addressof(side), self._binding.handle if self._binding else 0):
             with suppress(EOFError, OSError):
-                method, arguments, keys = receive(self._talk)
-                send(self._talk, self._answer(method, arguments, keys))
+                method, arguments = receive(self._talk)
+                send(self._talk, self._answer(method, arguments))
 
-    def _answer(self, method: str, arguments: Any, keys: Any) -> tuple[bool, Any]:
+    def _answer(self, method: str, arguments: Any) -> tuple[bool, Any]:
         """Whether it went well, and the result or the exception."""
         try:
             if method == "load":
                 self._load()
                 return True, None
             assert self._binding is not None, "the library is loaded first"
-            return True, getattr(self._binding, method)(*arguments, **keys)
+            return True, getattr(self._binding, method)(*arguments)
         except (InputError, ValueError, TypeError, OverflowError, ctypes.ArgumentError) as error:
             return False, error
 
