@@ -12,7 +12,7 @@ from typing import Any
 from cosim.report.page.tables import seconds
 
 TIMES = frozenset({"round_trip", "clock_offset"})
-"""What of a link is a time (s)."""
+"""What of a link is a time (ns)."""
 SETTINGS = frozenset({"delay", "late_after"})
 """What of a stream was set, and so is no count."""
 FIRST = frozenset({"sent", "accepted"})
@@ -46,7 +46,7 @@ def _of_link(link: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         for key, value in facts.items():
             if key in TIMES and value is not None:
                 name = key.replace("_", " ")
-                yield (name if len(peers) == 1 else f"{name}, {peer}"), seconds(float(value))
+                yield (name if len(peers) == 1 else f"{name}, {peer}"), seconds(value * 1e-9)
             elif isinstance(value, int):
                 packets[key] += value
         streams: Mapping[str, Mapping[str, Any]] = facts.get("streams") or {}

@@ -96,6 +96,13 @@ def test_what_was_sent_and_what_came_are_counted_apart() -> None:
     }
 
 
+def test_the_clocks_nanoseconds_are_told_as_times() -> None:
+    peer = {"round_trip": 61922, "clock_offset": -4496, "streams": {}}
+    table = station_table({"merged": {"links": {"a": {"peers": {"b": peer}}}}})
+    assert table is not None
+    assert {("round trip", "61.9 µs"), ("clock offset", "-4.5 µs")} <= {*table["rows"]}
+
+
 def test_scenes_are_joined_and_equal_things_are_one() -> None:
     wall, a, b = [0, 0, 1, 0], {"name": "vr_a"}, {"name": "vr_b"}
     one, other = {"boxes": [a], "walls": [wall]}, {"boxes": [b], "walls": [wall]}
