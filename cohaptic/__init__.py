@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cohaptic import fmu, theory
+    from cohaptic.identified import identify
     from cohaptic.runs import resume, run
     from cosim.base.component import Causality, Component, Variable, VariableType
     from cosim.reading import edit, load
@@ -30,6 +31,7 @@ else:
         "Scenario": ("cosim.scenario", "Scenario"),
         "VariableType": ("cosim.base.component", "VariableType"),
         "edit": ("cosim.reading", "edit"),
+        "identify": ("cohaptic.identified", "identify"),
         "load": ("cosim.reading", "load"),
         "open_run": ("cosim.record", "open_run"),
         "resume": ("cohaptic.runs", "resume"),
@@ -64,6 +66,7 @@ __all__ = [
     "VariableType",
     "edit",
     "fmu",
+    "identify",
     "load",
     "open_run",
     "resume",

@@ -7,7 +7,7 @@ residuals of whole seconds pull at the parameters, a second a vote (Liang and Ze
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,7 +34,21 @@ NO_FIVE_BAR = (
     "no delay, offset, gain and inertia explain these runs with a five-bar of this geometry: are "
     "geometry, directions and payloads those of the device, and was nobody holding it?"
 )
+LENGTHS = ("proximal", "distal", "base")
+_LENGTH_NUDGE = 1e-4
 _NUDGES = np.array([1e-5, 1e-4, 1e-4, 1e-4, 1e-4])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Length:
+    """By what share of itself a length of the five-bar would have to be off, all else found anew.
+
+    ``deviation`` is the standard deviation of ``share``, a second a vote.
+    """
+
+    name: str
+    share: float
+    deviation: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +69,7 @@ class Fit:
     predicted: Array
     torque: Array
     block: Array
+    lengths: tuple[Length, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,6 +208,27 @@ class _Problem:
             predicted=(columns_ @ linear + known) / self._weights[:, None],
             torque=torque / self._weights[:, None],
             block=self.block,
+            lengths=tuple(self._length(name, shape, linear, matrix, residual) for name in LENGTHS),
+        )
+
+    def _length(
+        self, name: str, shape: Array, linear: Array, matrix: Array, residual: Array
+    ) -> Length:
+        """What is left of the residual along a length, past what other unknowns take up."""
+        bar, ends = self._bar, list[Array]()
+        for side in (1.0, -1.0):
+            length = float(getattr(bar, name)) * (1.0 + side * _LENGTH_NUDGE)
+            self._bar = replace(bar, **{name: length})
+            ends.append(self.residual(shape, linear))
+        self._bar = bar
+        along = (ends[1] - ends[0]).reshape(-1) / (2 * _LENGTH_NUDGE)
+        along -= matrix @ _scaled_solve(matrix, along)[0]
+        seen = float(along @ along)
+        pulls = (along * residual.reshape(-1)).reshape(residual.shape).sum(axis=1)
+        votes = np.array([pulls[self.block == each].sum() for each in np.unique(self.block)])
+        share = float(votes.sum()) / seen
+        return Length(
+            name=name, share=share, deviation=float(np.linalg.norm(votes - votes.mean())) / seen
         )
 
 

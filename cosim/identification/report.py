@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import log10
 from typing import Any
 
+from cosim.identification.fit import Length
 from cosim.identification.results import CONFIDENCE, Estimate, Identified
 from cosim.identification.whiteness import LEVEL
 
@@ -35,6 +36,7 @@ def lines(found: Identified) -> list[str]:
         f"condition {found.fit.condition:.0f}."
     )
     said.append(_white(found))
+    said += [_wrong(each) for each in found.wrong_lengths]
     said += [f"Assumed: {each}." for each in assumptions(found)]
     return said
 
@@ -43,7 +45,7 @@ def plain(found: Identified) -> dict[str, Any]:
     """Everything as plain data, SI units."""
     counts, white = found.counts, found.white
     return {
-        "ok": white.is_white,
+        "ok": found.is_whole,
         "confidence": CONFIDENCE,
         "estimates": {
             each.name: {
@@ -71,6 +73,10 @@ def plain(found: Identified) -> dict[str, Any]:
         "pose": list(found.pose),
         "condition": found.fit.condition,
         "explained": found.explained,
+        "lengths": {
+            each.name: {"share": each.share, "deviation": each.deviation}
+            for each in found.fit.lengths
+        },
         "white": {
             "is_white": white.is_white,
             "chance": list(white.chance),
@@ -150,6 +156,15 @@ def number(value: float, width: float) -> str:
     """A value with two digits of its interval's width."""
     digits = 3 if width <= 0.0 else max(0, 1 - int(log10(width) // 1))
     return f"{value:.{digits}f}"
+
+
+def _wrong(length: Length) -> str:
+    return (
+        f"The geometry is NOT that of the device: with a {length.name} length of "
+        f"{1 + length.share:.1%} of the one that is given the runs would fit better "
+        f"(+- {2 * length.deviation:.1%}); one wrong length can show in several. Do not trust the "
+        "values."
+    )
 
 
 def _white(found: Identified) -> str:

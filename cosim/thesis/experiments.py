@@ -47,7 +47,7 @@ def run_all(
     found: dict[str, Ran] = {}
     with _pool(workers, len(scenarios)) as pool:
         waiting: list[Future[Ran]] = [
-            pool.submit(run_one, name, file, tuple(sets), out / name)
+            pool.submit(run_one, name, file, tuple(sets), out / name, page=True)
             for name, (file, sets) in scenarios.items()
         ]
         for future in as_completed(waiting):
@@ -69,13 +69,17 @@ def in_parallel(tasks: Sequence[Task], workers: int | None = None) -> list[Any]:
         return [future.result() for future in waiting]
 
 
-def run_one(name: str, file: str, sets: tuple[str, ...], folder: Path) -> Ran:
-    """Run one scenario into a folder; a failure is told, not raised."""
+def run_one(
+    name: str, file: str, sets: tuple[str, ...], folder: Path, *, page: bool = False
+) -> Ran:
+    """Run one scenario into a folder, with its page or without; a failure is told, not raised."""
     from cosim.analysis import load_tuned
     from cosim.run import run_scenario
 
     try:
-        finished = run_scenario(load_tuned(bundled_file(file), (), sets), folder, figure=False)
+        finished = run_scenario(
+            load_tuned(bundled_file(file), (), sets), folder, figure=False, page=page
+        )
     except CohapticError as error:
         return Ran(name, folder, {}, str(error))
     failure = str(finished.error) if finished.error is not None else ""

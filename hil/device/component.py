@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 from dataclasses import asdict, replace
 from fractions import Fraction
 from math import nan
@@ -15,7 +14,7 @@ from cosim.base.component import Cells, Role, Setup, Variable
 from cosim.base.document.form import plain_node, read_form
 from cosim.base.errors import InputError, Location
 from cosim.base.system.supervised import Opening
-from hil.device.board.component import BoardComponent
+from hil.device.board.component import BoardComponent, begin_emulated_motion
 from hil.device.contract import Flag, Measurement, State
 from hil.device.device import Device
 from hil.device.driver import Driver
@@ -25,7 +24,6 @@ from hil.safety.form import SafetyForm
 from hil.setup import session as sessions
 from hil.setup.device_file import DeviceFile, default, load
 from hil.setup.watchdog_proof import prove_at_opening
-from hil.wire.side_channel import Control
 
 
 class DeviceComponent(BoardComponent[Driver]):
@@ -162,7 +160,7 @@ class DeviceComponent(BoardComponent[Driver]):
         device = self._opened()
         if not self._started:
             device.activate()
-            begin_emulated_motion(device)
+            begin_emulated_motion(device.address)
             self._started = True
         self._show(device.read(tick))
 
@@ -236,11 +234,3 @@ def _changed(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """The parameters that a scenario set to something else than the model's default."""
     default = {variable.name: variable.start for variable in variables()}
     return {name: value for name, value in parameters.items() if value != default.get(name)}
-
-
-def begin_emulated_motion(device: Device) -> None:
-    """Tell an emulator that the run begins, so that its operator's time is the scenario's."""
-    path = device.address.emulator
-    if path is not None:
-        with closing(Control(path)) as control:
-            control.ask("start")

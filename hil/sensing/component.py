@@ -11,7 +11,7 @@ from typing import Any
 from cosim.base.component import Causality, Cells, Setup, Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.system.supervised import Opening
-from hil.device.board.component import BoardComponent
+from hil.device.board.component import BoardComponent, begin_emulated_motion
 from hil.sensing.sensor import Sensor
 from hil.sensing.sensor_driver import SensorDriver
 from hil.sensing.sensor_file import SensorFile, load, parse
@@ -34,6 +34,7 @@ class SensorComponent(BoardComponent[SensorDriver]):
         super().__init__(kind, url, options)
         self.file = sensor_file(kind, options)
         self.sensor: Sensor | None = None
+        self._started = False
         self._owner = 0
         """The process that opened it; it alone closes the port."""
 
@@ -112,6 +113,9 @@ class SensorComponent(BoardComponent[SensorDriver]):
     def read(self, tick: int) -> None:
         """Take the measurement that the last tick asked for."""
         del tick
+        if not self._started:
+            begin_emulated_motion(self.address)
+            self._started = True
         self._opened().read()
         self._show()
 

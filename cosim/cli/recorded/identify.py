@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import json
 import sys
-from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from cosim.base.errors import InputError
-from cosim.base.suggest import did_you_mean
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.effect import given_of, refuse_without
 from cosim.cli.support.terminal.complete import run_folders
 from cosim.cli.support.values import FIGURES, Number, OutputFile, Quantity
 
-if TYPE_CHECKING:
-    from cosim.identification.results import Identified
-    from cosim.identification.samples import Described, Recording
-
 LONGEST = 600.0
-HEAVIEST = 1.0
-"""kg on the tip: more is no desktop device's."""
 
 
 @click.command("identify", cls=JsonCommand)
@@ -96,8 +88,8 @@ def command(
 ) -> None:
     """Tell what a device is from what it did: the folders RUNS of its runs, or the --plan for one.
 
-    Exit status: 0 it is told, 1 the residual is not white (the model lacks something that these
-    runs hold), 2 the runs cannot be used.
+    Exit status: 0 it is told, 1 the residual is not white or a length is wrong (the model lacks
+    something that these runs hold), 2 the runs cannot be used.
     """
     if plan is not None:
         _refuse_beside_plan(
@@ -120,9 +112,21 @@ def command(
     )
     if not runs:
         raise InputError("name one or several run folders, or a device file with --plan.")
-    found = _identified(runs, payloads, component, device_file, force, alike=sides != "apart")
+    from cohaptic.identified import identify
+
+    found = identify(
+        *runs,
+        payloads=_loads(payloads, runs),
+        component=component,
+        device=device_file,
+        force=force,
+        alike=sides != "apart",
+    )
     if out is not None:
-        _write(out, found)
+        from cosim.identification.preset import preset
+
+        with writing(out):
+            out.write_text(preset(found, out.name), encoding="utf-8")
     if figure is not None:
         from cosim.identification.figure import draw
 
@@ -130,7 +134,7 @@ def command(
     from cosim.identification.report import lines, plain
 
     click.echo(json.dumps(plain(found)) if as_json else "\n".join(lines(found)))
-    if not found.white.is_white:
+    if not found.is_whole:
         sys.exit(1)
 
 
@@ -140,92 +144,26 @@ def _refuse_beside_plan(given: dict[str, object]) -> None:
         raise InputError(f"{' and '.join(named)} beside --plan: a plan is made before any run.")
 
 
-def _identified(
-    folders: tuple[Path, ...],
-    payloads: tuple[str, ...],
-    component: str | None,
-    device_file: Path | None,
-    force: str | None,
-    *,
-    alike: bool,
-) -> Identified:
-    """What the runs tell; all of one device.
-
-    Raises:
-        InputError: a run cannot be used, or they are of different devices.
-    """
-    from cosim.cli.support.identified.described import described
-    from cosim.identification.records import component_of, payload_of, recording
-    from cosim.identification.results import identify
-    from cosim.reading import load
-    from cosim.record import open_run
-    from cosim.record.reader import SCENARIO_FILE
-
-    if len({each.resolve() for each in folders}) < len(folders):
-        raise InputError("a run is named twice: each of them counts once.")
-    loads = _loads(payloads, folders)
-    recordings: list[Recording] = []
-    steps: list[int] = []
-    known: Described | None = None
-    with ExitStack() as stack:
-        for folder in folders:
-            run = stack.enter_context(open_run(folder))
-            name = component_of(run, component)
-            if not (folder / SCENARIO_FILE).exists():
-                raise InputError(f"{folder} has no {SCENARIO_FILE}: what ran there is not known.")
-            scenario = load(str(folder / SCENARIO_FILE))
-            this = described(scenario, name, device_file)
-            if known is not None and this.bar != known.bar:
-                raise InputError(f"{folder} is of a device of another size than {folders[0]}.")
-            known = known or this
-            payload = loads.get(folder)
-            rows, step = recording(
-                run,
-                scenario,
-                name,
-                limit=this.limit,
-                payload=payload_of(scenario, name) if payload is None else payload,
-                force=force,
-            )
-            recordings.append(rows)
-            steps.append(step)
-    assert known is not None, "there is a run"
-    return identify(known, recordings, steps, alike=alike)
-
-
-def _loads(payloads: tuple[str, ...], folders: tuple[Path, ...]) -> dict[Path, float]:
+def _loads(payloads: tuple[str, ...], folders: tuple[Path, ...]) -> dict[str, float]:
     """The mass (kg) on the tip of each run that was said."""
-    found: dict[Path, float] = {}
+    found: dict[str, float] = {}
     for text in payloads:
         name, equals, mass = text.rpartition("=")
         if not equals:
             raise InputError(f"--payload {text}: say of which run, such as {folders[0]}=50g.")
-        matches = [each for each in folders if str(each) == name or each.name == name]
-        if not matches:
-            raise InputError(
-                f"--payload {text}: '{name}' is none of the runs."
-                f"{did_you_mean(name, [str(each) for each in folders])}"
-            )
-        if len(matches) > 1:
-            raise InputError(f"--payload {text}: {len(matches)} runs have that name; say the path.")
-        if matches[0] in found:
-            raise InputError(f"--payload {text}: the mass of that run was said before.")
-        found[matches[0]] = _mass(mass)
+        if name in found:
+            raise InputError(f"--payload {text}: the payload of that run was said before.")
+        found[name] = _mass(mass)
     return found
 
 
 def _mass(text: str) -> float:
+    from cohaptic.identified import HEAVIEST
+
     value = float(Quantity("kg").convert(text, None, None))
     if value > HEAVIEST:
         raise InputError(f"--payload {text}: at most {HEAVIEST:g} kg goes on a tip.")
     return value
-
-
-def _write(out: Path, found: Identified) -> None:
-    from cosim.identification.preset import preset
-
-    with writing(out):
-        out.write_text(preset(found, out.name), encoding="utf-8")
 
 
 def _plan(
@@ -242,7 +180,7 @@ def _plan(
     Raises:
         InputError: the device only measures, has no home pose, or leaves no room to move.
     """
-    from cosim.cli.support.identified.described import envelope, model_of
+    from cohaptic.described import envelope, model_of
     from cosim.identification.excitation.plan import plan
     from cosim.identification.nominal import Nominal
     from hil.setup.address import parse

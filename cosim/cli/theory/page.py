@@ -22,7 +22,7 @@ def command(out: Path | None) -> None:
 
     With --out the figures go to images/theory beside the page.
     """
-    from cosim.theory.chapters.thesis_page import thesis_page
+    from cosim.theory.chapters.page.whole import thesis_page
 
     page = thesis_page()
     if out is None:

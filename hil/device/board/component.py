@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from typing import Any, Generic, TypeVar
 
 from cosim.base.component import Component
@@ -10,6 +11,7 @@ from hil.device.facts import CAUSES, STATES
 from hil.setup.address import DeviceAddress, parse
 from hil.setup.driver_facts import DriverFacts
 from hil.setup.options import check_options
+from hil.wire.side_channel import Control
 
 D = TypeVar("D", bound=DriverFacts)
 _FILE_OPTIONS = ("file", "preset")
@@ -51,3 +53,10 @@ class BoardComponent(Component, Generic[D]):
 def address_of(url: str, options: Mapping[str, Any]) -> DeviceAddress:
     """The address that a scenario's mapping gives; its file and its preset are no part of it."""
     return parse(url, {name: value for name, value in options.items() if name not in _FILE_OPTIONS})
+
+
+def begin_emulated_motion(address: DeviceAddress) -> None:
+    """Tell an emulator that the run begins, so that its operator's time is the scenario's."""
+    if address.emulator is not None:
+        with closing(Control(address.emulator)) as control:
+            control.ask("start")

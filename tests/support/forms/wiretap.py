@@ -13,7 +13,8 @@ from unittest.mock import MagicMock
 import can
 import serial
 
-from hil.device.component import DeviceComponent, begin_emulated_motion
+from hil.device.board.component import begin_emulated_motion
+from hil.device.component import DeviceComponent
 from hil.device.errors import DeviceError
 from hil.drivers.canopen import driver as canopen
 from hil.drivers.canopen import master as canopen_master
@@ -99,7 +100,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
     monkeypatch.setattr(canopen_master, "monotonic", lambda: next(clock) * 0.01)
     for module in (side_channel, serial_port):
         monkeypatch.setattr(module, "Control", side)
-    monkeypatch.setattr("hil.device.component.Control", side)
+    monkeypatch.setattr("hil.device.board.component.Control", side)
     makers = _makers(monkeypatch)
     component = DeviceComponent(find(parse(url).driver), url, {})
     said.append(("lock-step", component.lockstep))
@@ -116,7 +117,7 @@ def wiretap(monkeypatch: Any, url: str, document: dict[str, Any]) -> list[Any]:
         # Nobody answers: each goes as far as it can.
         with suppress(DeviceError, TypeError, ValueError, AttributeError, AssertionError):
             call()
-    begin_emulated_motion(SimpleNamespace(address=component.address))
+    begin_emulated_motion(component.address)
     calls = [re.sub(r" id='\d+'", "", str(call)) for call in makers.mock_calls]
     heard = [*said, driver.watchdog, *calls]
     with suppress(DeviceError, TypeError, ValueError, AttributeError, AssertionError):

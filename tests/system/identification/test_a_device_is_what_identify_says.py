@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import cohaptic
+from cosim.base.errors import InputError
 from cosim.cli import cli
 from cosim.identification.nominal import Nominal
 from cosim.identification.regressor import inertia_matrix
@@ -140,3 +142,51 @@ connections: ["push.value -> finger.motor_torque[1]"]
         with open_run(run) as record:
             moved.append(float(record["finger.true_joint_angle[1]"].values[-1]))
     assert abs(moved[0] - moved[1]) > 1e-3
+
+
+FORCE = {
+    "impedance": "custom",
+    "stiffness": [0.0, 0.0],
+    "damping": [0.0, 0.0],
+    "force_mode": ["sine", "sine"],
+    "force_amplitude": [1.0, 1.0],
+    "force_frequency": [4.4, 6.9],
+}
+"""A hand that pushes the handle whatever it does (rad/s)."""
+
+
+@pytest.mark.exhaustive
+def test_a_real_sensors_record_tells_the_gain(tmp_path):
+    """The board of the sensor is asked over its own line; what it measures pushes the device."""
+    mechanics = Mechanics(
+        hand=HeldForm(stiffness=0.0, damping=0.0), torque_gain=list(TRUE_GAIN), **MADE_OF
+    )
+    order = Order(
+        name="haply",
+        lockstep=True,
+        parameters={"device": 1, "initial_tip_position": (0.019, 0.1)},
+        mechanics=mechanics,
+        operator=FORCE,
+    )
+    # The sensor's board has a body of its own, which is pushed alike and hardly moves.
+    heavy = {"device": 0, "initial_tip_position": (0.0425, 0.2), "finger_mass": 5.0}
+    other = Order(name="force_sensor", lockstep=True, parameters=heavy, operator=FORCE)
+    with Emulator(order) as emulator, Emulator(other) as sensor:
+        file, plan, run = (tmp_path / each for each in ("haply.device.yaml", "plan.yaml", "run"))
+        save(file, {"driver": "haply", "preset": "haply", "home": list(emulator.home)})
+        given = ["--url", emulator.url, "--seconds", "40", "--out", str(plan)]
+        assert command("identify", "--plan", str(file), *given)[0] == 0
+        measuring = tmp_path / "sensor.device.yaml"
+        save(
+            measuring, {"driver": "force_sensor", "preset": "six_axis", "settings": {"tare": False}}
+        )
+        beside = tmp_path / "beside.yaml"
+        device = json.dumps({"url": sensor.url, "file": str(measuring)})
+        beside.write_text(f"components: {{force: {{rate: control, device: {device}}}}}\n")
+        output = ["--enable-output", "--yes", "--no-figure", "--no-report"]
+        done = command("run", str(plan), "--with", str(beside), *output, "--out", str(run))
+        assert done[0] == 0
+    found = cohaptic.identify(run, component="finger", force="force.force")
+    assert [found["gain_1"].value, found["gain_2"].value] == pytest.approx(TRUE_GAIN, rel=GAIN)
+    with pytest.raises(InputError, match=r"geometry|payloads"):
+        cohaptic.identify(run, component="finger")

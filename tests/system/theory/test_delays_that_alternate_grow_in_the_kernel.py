@@ -10,9 +10,10 @@ from cosim.theory.models.parameters import TABLE_6_1, Parameters
 from cosim.theory.models.timing import Timing
 from cosim.theory.robust.joint_radius import joint_radius
 from cosim.theory.robust.network import switching_delays
+from cosim.thesis.claims.past import EXTENSIONS
+from cosim.thesis.claims.statement import runs_of
+from cosim.thesis.claims.verdict import decide
 from cosim.thesis.experiments import run_one
-from cosim.thesis.extensions import EXTENSIONS
-from cosim.thesis.statements import ablation_runs, decide
 
 NAME = "alternating_delays"
 STATEMENT = [one for one in EXTENSIONS if one.name == "alternating-delays"]
@@ -21,10 +22,9 @@ STATEMENT = [one for one in EXTENSIONS if one.name == "alternating-delays"]
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
     folder = tmp_path_factory.mktemp("alternating")
-    wanted = {NAME: (f"thesis/{NAME}", ()), **ablation_runs(STATEMENT)}
     return {
         name: run_one(name, file, sets, folder / name).summary
-        for name, (file, sets) in wanted.items()
+        for name, (file, sets) in runs_of(STATEMENT).items()
     }
 
 
@@ -39,7 +39,7 @@ def test_the_run_grows_as_the_joint_radius_says(summaries):
 
 
 def test_either_delay_alone_decays(summaries):
-    ablated = ablation_runs(STATEMENT)
+    ablated = [name for name in runs_of(STATEMENT) if name != NAME]
     assert len(ablated) == 2
     assert all(growth(summaries[name]) < -0.4 for name in ablated)
     assert [item.verdict for item in decide(summaries, {}, STATEMENT)] == ["agree"]

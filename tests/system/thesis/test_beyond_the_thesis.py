@@ -9,29 +9,30 @@ from cosim.analysis.modes import centralized_modes, distributed_modes, modes
 from cosim.scenario import load
 from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability
-from cosim.thesis import breaking
-from cosim.thesis.beyond import RADIUS_DELAYS, Beyond, radii_of
-from cosim.thesis.beyond_figures import FIGURES, draw_beyond
-from cosim.thesis.breaking import CENTRALIZED, CURVES, DELAYS, DISTRIBUTED, Limit, predict
+from cosim.thesis.claims.past import EXTENSIONS
+from cosim.thesis.claims.statement import runs_of
+from cosim.thesis.claims.verdict import decide
+from cosim.thesis.expected.single_axis import net_force_amplitude
 from cosim.thesis.experiments import in_parallel, run_one
-from cosim.thesis.extensions import EXTENSION_EXPERIMENTS, EXTENSIONS
-from cosim.thesis.findings import FINDINGS, BeyondPart
-from cosim.thesis.free_motions import DELAYS as PREDICTED_DELAYS
-from cosim.thesis.free_motions import PREDICTORS, REALISM, prediction
-from cosim.thesis.page import write_page
-from cosim.thesis.single_axis import net_force_amplitude
-from cosim.thesis.statements import ablation_runs, decide
-from cosim.thesis.trials import Motion, Steadiness, free_motion
+from cosim.thesis.pages.beyond_figures import FIGURES, draw_beyond
+from cosim.thesis.pages.findings import FINDINGS, BeyondPart
+from cosim.thesis.pages.html import write_page
+from cosim.thesis.results import Results
+from cosim.thesis.sweeps import breaking
+from cosim.thesis.sweeps.beyond import RADIUS_DELAYS, Beyond, radii_of
+from cosim.thesis.sweeps.breaking import CENTRALIZED, CURVES, DELAYS, DISTRIBUTED, Limit, predict
+from cosim.thesis.sweeps.free_motions import DELAYS as PREDICTED_DELAYS
+from cosim.thesis.sweeps.free_motions import PREDICTORS, REALISM, prediction
+from cosim.thesis.sweeps.trials import Motion, Steadiness, free_motion
+from tests.support.experiments import NUMBERS, measured_of
 
 
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
     folder = tmp_path_factory.mktemp("beyond")
-    wanted = {name: (f"thesis/{name}", ()) for name in EXTENSION_EXPERIMENTS}
-    wanted |= ablation_runs(EXTENSIONS)
     return {
         name: run_one(name, file, sets, folder / name).summary
-        for name, (file, sets) in wanted.items()
+        for name, (file, sets) in runs_of(EXTENSIONS).items()
     }
 
 
@@ -45,6 +46,13 @@ def test_every_extension_does_what_its_statement_says(summaries):
     assert {item.statement.name: item.verdict for item in decided} == {
         statement.name: "agree" for statement in EXTENSIONS
     }
+
+
+def test_the_numbers_of_the_docs_are_what_was_measured(summaries):
+    """Made anew by ``cohaptic thesis --page docs/experiments.md``."""
+    stored = Results.read(NUMBERS)
+    for name, summary in summaries.items():
+        assert measured_of(summary) == pytest.approx(measured_of(stored.runs[name]), rel=1e-5), name
 
 
 def test_each_piece_of_evidence_is_an_expectation_of_its_scenario():
@@ -171,7 +179,12 @@ def test_the_second_part_shows_every_figure_with_its_numbers(tmp_path):
     figures = draw_beyond(found, tmp_path)
     assert set(figures) == set(FIGURES) == set(FINDINGS)
     write_page(
-        tmp_path / "page.html", [], {}, {}, BeyondPart(decide({}, {}, EXTENSIONS), found, figures)
+        tmp_path / "page.html",
+        [],
+        wanted={},
+        runs={},
+        figures={},
+        beyond=BeyondPart(decide({}, {}, EXTENSIONS), found, figures),
     )
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.count("data:image/png") == len(FIGURES)

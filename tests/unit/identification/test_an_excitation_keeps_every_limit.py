@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cohaptic.described import envelope
 from cosim.base.errors import InputError
-from cosim.cli.support.identified.described import envelope
 from cosim.identification.excitation.design import design
 from cosim.identification.nominal import Nominal
 from cosim.identification.regressor import torques

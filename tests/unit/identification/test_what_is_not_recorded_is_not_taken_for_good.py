@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cohaptic.described import described
 from cosim.base.errors import InputError
 from cosim.cli import cli
-from cosim.cli.support.identified.described import described
 from cosim.identification import records
 from cosim.identification.records import recording
 from cosim.identification.results import identify

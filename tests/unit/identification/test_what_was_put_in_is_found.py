@@ -5,11 +5,14 @@ The tolerances come first. Each has an ablation beside it that breaks it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cosim.base.errors import InputError
 from cosim.identification.regressor import INERTIAS, inertia_matrix
+from cosim.identification.report import lines
 from cosim.identification.results import Identified, identify
 from tests.support.identification.known import (
     DEVICE,
@@ -66,6 +69,23 @@ def test_a_wrong_mass_breaks_gain_and_inertia(pair):
     wrong = found_in(pair[0], changed(pair[1], payload=0.045))
     assert error(wrong, "gain_1", 1.1) > GAIN * 1.1
     assert error(wrong, "home_11", HOME_INERTIA[0, 0]) > INERTIA * HOME_INERTIA[0, 0]
+
+
+def test_the_right_lengths_are_not_told_of(told):
+    assert told.wrong_lengths == ()
+    assert told.is_whole
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "share"), [("distal", 1.05), ("proximal", 0.95), ("base", 1.2)])
+def test_a_wrong_length_is_told_of(name, share):
+    """Its residual may well be white, and the inertia is off by more than the tolerance."""
+    wrong = replace(DEVICE, bar=replace(HAPLY, **{name: share * getattr(HAPLY, name)}))
+    found = identify(wrong, [known(offset=(0.01, -0.008))], [1])
+    said = {each.name: each.share for each in found.wrong_lengths}
+    assert said[name] * (share - 1) < 0
+    assert not found.is_whole
+    assert any("geometry is NOT" in line and name in line for line in lines(found))
 
 
 def test_sides_that_differ_are_told_where_the_runs_are_asked():

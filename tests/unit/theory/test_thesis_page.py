@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.theory.chapters.thesis_page import thesis_page
+from cosim.theory.chapters.page.whole import thesis_page
 from cosim.theory.models.direct import direct_model
 from cosim.theory.models.lifting import LiftedSignal, lift
 from cosim.theory.models.parameters import TABLE_6_1, Parameters

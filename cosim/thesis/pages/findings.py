@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.thesis.beyond import Beyond
-from cosim.thesis.breaking import Limit
-from cosim.thesis.free_motions import DELAYS
-from cosim.thesis.statements import Decided
+from cosim.thesis.claims.verdict import Decided
+from cosim.thesis.sweeps.beyond import Beyond
+from cosim.thesis.sweeps.breaking import Limit
+from cosim.thesis.sweeps.free_motions import DELAYS
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from cosim.thesis.experiments import bundled_file
-from cosim.thesis.trials import grasp
+from cosim.thesis.sweeps.trials import grasp
 
 if TYPE_CHECKING:
     from cosim.theory.models.mass_spring_damper import Model

@@ -9,11 +9,11 @@ from typing import Any
 
 from cosim.plot.style import COLOURS, legend_above
 from cosim.report.overview import STYLE
-from cosim.thesis.beyond import RADIUS_DELAYS, Beyond
-from cosim.thesis.breaking import Limit
-from cosim.thesis.figures import DPI, SIZE
-from cosim.thesis.free_motions import DELAYS, PREDICTORS
-from cosim.thesis.trials import Motion
+from cosim.thesis.pages.figures import DPI, SIZE
+from cosim.thesis.sweeps.beyond import RADIUS_DELAYS, Beyond
+from cosim.thesis.sweeps.breaking import Limit
+from cosim.thesis.sweeps.free_motions import DELAYS, PREDICTORS
+from cosim.thesis.sweeps.trials import Motion
 
 
 def draw_beyond(found: Beyond, out: Path) -> dict[str, Path]:

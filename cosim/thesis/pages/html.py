@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import base64
-import math
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
+from cosim.thesis.claims.statement import Runs
+from cosim.thesis.claims.verdict import Decided
 from cosim.thesis.experiments import Ran
-from cosim.thesis.findings import BeyondPart
-from cosim.thesis.statements import Decided
+from cosim.thesis.pages.figures import FIGURES
+from cosim.thesis.pages.findings import BeyondPart
+from cosim.thesis.pages.phrases import command, origins
+from cosim.thesis.pages.rows import rows
 
 CAPTIONS = {
     "8.1": "Figure 8.1: grasp and carry, distributed against the remote user of the centralized "
@@ -28,52 +30,45 @@ CAPTIONS = {
 def write_page(
     path: Path,
     decided: Sequence[Decided],
+    *,
+    wanted: Runs,
     runs: Mapping[str, Ran],
     figures: Mapping[str, Path],
     beyond: BeyondPart | None = None,
 ) -> None:
     """Write the page; the figures are inside it, so that it can be sent around alone.
 
-    ``beyond`` is the second part, what lies past the thesis.
+    ``wanted`` says how each of ``runs`` is run again; runs with a report beside the page are linked
+    to. ``beyond`` is the second part, what lies past the thesis.
     """
     from jinja2 import Environment
 
-    template = files("cosim.thesis").joinpath("page.html.j2").read_text(encoding="utf-8")
+    template = files("cosim.thesis.pages").joinpath("page.html.j2").read_text(encoding="utf-8")
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    verdicts = [item.verdict for item in decided]
+    everything = [*decided, *(beyond.decided if beyond else ())]
+    verdicts = [item.verdict for item in everything]
+    reports = {
+        name: f"{ran.folder.name}/report.html"
+        for name, ran in runs.items()
+        if ran.folder.parent == path.parent and (ran.folder / "report.html").exists()
+    }
     html = environment.from_string(template).render(
-        number=number,
-        limit=limit,
+        rows=rows,
+        origins=origins,
+        command=command,
+        reports=reports,
+        wanted=wanted,
         decided=decided,
         runs=runs,
-        figures=[(CAPTIONS.get(name, name), _embedded(file)) for name, file in figures.items()],
+        figures=[
+            (CAPTIONS.get(name, name), _embedded(file), FIGURES[name][0])
+            for name, file in figures.items()
+        ],
         beyond=beyond and beyond.decided,
         findings=beyond.findings(_embedded) if beyond else (),
         counts={verdict: verdicts.count(verdict) for verdict in sorted(set(verdicts))},
     )
     path.write_text(html, encoding="utf-8")
-
-
-def number(value: float | Sequence[float] | None, unit: str) -> str:
-    """A measured value with its unit, in millimetres and milliradians where it is small."""
-    if value is None:
-        return "nothing"
-    values = [value] if isinstance(value, int | float) else list(value)
-    prefix, factor = _scale(max(abs(one) for one in values if math.isfinite(one)), unit)
-    text = " to ".join(f"{one * factor:.4g}" for one in values)
-    return text if unit in {"", "1"} else f"{text} {prefix}{unit}"
-
-
-def limit(entry: Mapping[str, Any]) -> str:
-    """The expectation as a phrase: ``below 0.2 N``."""
-    comparison = str(entry["predicate"]).rpartition("_")[2]
-    measure = str(entry["predicate"]).rpartition("_")[0].replace("_", " ")
-    phrase = {"within": "from", "equals": "exactly"}.get(comparison, comparison)
-    return f"{measure} {phrase} {number(entry['threshold'], entry['unit'])}".strip()
-
-
-def _scale(size: float, unit: str) -> tuple[str, float]:
-    return ("m", 1e3) if unit in {"m", "rad"} and 0.0 < size < 0.5 else ("", 1.0)
 
 
 def _embedded(file: Path) -> str:

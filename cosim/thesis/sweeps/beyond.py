@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any, Self, cast
 
-from cosim.thesis.breaking import CURVES, DELAYS, Curve, Limit, find_limit
 from cosim.thesis.experiments import Task, bundled_file, in_parallel
-from cosim.thesis.free_motions import DELAYS as PREDICTED_DELAYS
-from cosim.thesis.free_motions import PREDICTORS, REALISM, prediction
-from cosim.thesis.trials import Motion, free_motion
+from cosim.thesis.sweeps.breaking import CURVES, DELAYS, Curve, Limit, find_limit
+from cosim.thesis.sweeps.free_motions import DELAYS as PREDICTED_DELAYS
+from cosim.thesis.sweeps.free_motions import PREDICTORS, REALISM, prediction
+from cosim.thesis.sweeps.trials import Motion, free_motion
 
 USERS = (2, 3, 4)
 RADIUS_DELAYS = (0, 1, 2, 3, 4)
@@ -37,6 +37,23 @@ class Beyond:
     predictors: Mapping[tuple[str, int], Motion]
     radii: Mapping[int, tuple[float, ...]]
 
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Self:
+        """What ``as_json`` gave."""
+        return cls(
+            limits={
+                curve: tuple(Limit(**one) for one in row) for curve, row in plain["limits"].items()
+            },
+            realism={name: Motion(**motion) for name, motion in plain["realism"].items()},
+            predictors={
+                (one["predictor"], one["round_trip_delay"]): Motion(
+                    one["net_force"], one["ripple"], one["drift"]
+                )
+                for one in plain["predictors"]
+            },
+            radii={int(users): tuple(row.values()) for users, row in plain["radii"].items()},
+        )
+
     def as_json(self) -> dict[str, Any]:
         """The same with plain keys."""
         return {
@@ -47,7 +64,7 @@ class Beyond:
                 for (name, delay), motion in self.predictors.items()
             ],
             "radii": {
-                str(users): dict(zip(RADIUS_DELAYS, row, strict=True))
+                str(users): {str(n): one for n, one in zip(RADIUS_DELAYS, row, strict=True)}
                 for users, row in self.radii.items()
             },
         }

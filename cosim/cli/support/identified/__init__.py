@@ -1,1 +1,0 @@
-"""What the command ``identify`` finds out about devices before it looks at their motion."""

@@ -1,0 +1,1 @@
+"""``docs/thesis.md``, chapter by chapter."""

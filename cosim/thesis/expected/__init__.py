@@ -1,0 +1,1 @@
+"""The limits of the evidence, computed before any run and without the kernel."""
