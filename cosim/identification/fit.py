@@ -43,7 +43,8 @@ _NUDGES = np.array([1e-5, 1e-4, 1e-4, 1e-4, 1e-4])
 class Length:
     """By what share of itself a length of the five-bar would have to be off, all else found anew.
 
-    ``deviation`` is the standard deviation of ``share``, a second a vote.
+    ``deviation`` is the standard deviation of ``share``, a second a vote. Linear about the lengths
+    that are given, so that of a wrong one the size is none to go by, but that it is not zero.
     """
 
     name: str

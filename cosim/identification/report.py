@@ -160,10 +160,9 @@ def number(value: float, width: float) -> str:
 
 def _wrong(length: Length) -> str:
     return (
-        f"The geometry is NOT that of the device: with a {length.name} length of "
-        f"{1 + length.share:.1%} of the one that is given the runs would fit better "
-        f"(+- {2 * length.deviation:.1%}); one wrong length can show in several. Do not trust the "
-        "values."
+        f"The geometry is NOT that of the device: what is left of the torque hangs together with "
+        f"the {length.name} length ({abs(length.share) / length.deviation:.0f} standard "
+        "deviations; one wrong length shows in others, too). Do not trust the values."
     )
 
 

@@ -84,7 +84,7 @@ class Identified:
 
     @property
     def wrong_lengths(self) -> tuple[Length, ...]:
-        """Lengths of the five-bar with which, another alone, the runs would fit better."""
+        """Lengths of the five-bar that the residual hangs together with: one of them is wrong."""
         return tuple(
             each
             for each in self.fit.lengths
