@@ -8,7 +8,7 @@ CONTACT: tuple[Statement, ...] = (
     Statement(
         "softer-is-felt",
         "8.1",
-        "That degrades what the user feels, in rigid contact above all.",
+        "Softer couplers degrade what the user feels, in rigid contact above all.",
         (
             Evidence("wall_push_centralized_remote", "soft_contact", "remote user against a wall"),
             Evidence("wall_push_centralized_stiffest", "stiffest", "nearly the stiffest"),

@@ -43,7 +43,7 @@ Origin = Literal["predicted", "stated"]
 
 
 @dataclass(frozen=True, slots=True)
-class Limit:
+class Expected:
     """One expectation's limit: of which target, by which predicate, and where it lies (SI).
 
     ``tolerance`` is how far the limits of a ``…_within`` lie from the value, as a share of it; a
@@ -73,7 +73,7 @@ class Prediction:
     itself is the limit.
     """
 
-    def __init__(self, derivation: str, *limits: Limit, origin: Origin = "predicted") -> None:
+    def __init__(self, derivation: str, *limits: Expected, origin: Origin = "predicted") -> None:
         self.derivation, self.limits, self.origin = derivation, limits, origin
 
     @property
@@ -91,7 +91,7 @@ _NET_CENTRAL = "server.finger_1.normal_force - server.client_contact_1.finger_1_
 def _force(target: str, compensation: float, axis: TwoCopies, tolerance: float = 0.1) -> Prediction:
     return Prediction(
         "independent computation on a single axis",
-        Limit(
+        Expected(
             target,
             "amplitude_within",
             lambda: net_force_amplitude(1, compensation, axis),
@@ -103,7 +103,7 @@ def _force(target: str, compensation: float, axis: TwoCopies, tolerance: float =
 def _nulled(axis: TwoCopies) -> Prediction:
     return Prediction(
         "independent computation on a single axis, with the theory's null",
-        Limit(
+        Expected(
             _NET, "amplitude_within", lambda: net_force_amplitude(1, null(axis), axis), TOLERANCE
         ),
     )
@@ -144,7 +144,7 @@ def _alternating() -> float:
 def _yield(finger: str, stiffness: float) -> Prediction:
     return Prediction(
         f"{PUSH:g} N over {stiffness:g} N/m and the wall's {WALL:g} N/m in series",
-        Limit(
+        Expected(
             f"{finger}.tip_position[2]",
             "peak_to_peak_within",
             lambda: PUSH * (1.0 / stiffness + 1.0 / WALL),
@@ -153,11 +153,11 @@ def _yield(finger: str, stiffness: float) -> Prediction:
     )
 
 
-def _at(target: str, predicate: str, value: float, tolerance: float = 0.0) -> Limit:
-    return Limit(target, predicate, lambda: value, tolerance)
+def _at(target: str, predicate: str, value: float, tolerance: float = 0.0) -> Expected:
+    return Expected(target, predicate, lambda: value, tolerance)
 
 
-_STEADY = Limit("force_ripple", "below", outer_force)
+_STEADY = Expected("force_ripple", "below", outer_force)
 _KEPT = (_at("contact_losses", "equals", 0.0), _at("held_fraction", "equals", 1.0))
 _OUTER = (
     "what acts from outside, 0.289 N: 0.196 N of ground, 0.042 N of joints, 0.025 N of inertia, "
@@ -172,8 +172,8 @@ def _held(samples: int) -> Prediction:
         + (f", and {samples} sample more one way than the other" if samples else ""),
         *_KEPT,
         _STEADY,
-        Limit("box_displacement", "above", lambda: carried(2, 4, LONG_WAY)),
-        Limit("drift", "below", lambda: lag(samples)),
+        Expected("box_displacement", "above", lambda: carried(2, 4, LONG_WAY)),
+        Expected("drift", "below", lambda: lag(samples)),
     )
 
 
@@ -183,22 +183,22 @@ def _many(users: int) -> Prediction:
         "K_12, K_o and friction",
         *_KEPT,
         _STEADY,
-        Limit("box_displacement", "above", lambda: carried(users, users, SHORT_WAY)),
-        Limit("drift", "below", lambda: pressed_apart(users)),
+        Expected("box_displacement", "above", lambda: carried(users, users, SHORT_WAY)),
+        Expected("drift", "below", lambda: pressed_apart(users)),
     )
 
 
 def _impact(*, impulses: bool) -> Prediction:
     return Prediction(
         "independent computation of hand, box and wall on one axis",
-        Limit(
+        Expected(
             "finger_a.tip_position[2]",
             "max_within",
             lambda: impact(impulses=impulses).deepest,
             TOLERANCE,
             zero=-0.05,
         ),
-        Limit(
+        Expected(
             "vr_a.finger_1.contact_state",
             "change_count_equals",
             lambda: float(impact(impulses=impulses).changes),
@@ -209,7 +209,7 @@ def _impact(*, impulses: bool) -> Prediction:
 PREDICTIONS: Mapping[tuple[str, str], Prediction] = {
     ("grasp_centralized", "instability"): Prediction(
         f"unstable in theory, so that a force varies by more than {_OUTER}",
-        Limit("force_ripple", "above", outer_force),
+        Expected("force_ripple", "above", outer_force),
     ),
     ("grasp_distributed", "grasp"): _held(1),
     ("grasp_distributed_n0", "grasp"): _held(0),
@@ -220,7 +220,7 @@ PREDICTIONS: Mapping[tuple[str, str], Prediction] = {
         "stable in theory, so no contact ends; statics of hands, K_11, K_o, fingers that slide and "
         "friction",
         _KEPT[0],
-        Limit("drift", "below", lambda: pulled_apart(0.015)),
+        Expected("drift", "below", lambda: pulled_apart(0.015)),
     ),
     ("grasp_centralized_firm_hand", "damped_hand"): Prediction(_QUIET, _KEPT[0], _STEADY),
     ("grasp_centralized_soft", "softer"): Prediction(_QUIET, *_KEPT, _STEADY),
@@ -256,7 +256,7 @@ PREDICTIONS: Mapping[tuple[str, str], Prediction] = {
         f"{_QUIET}; the way less friction's share",
         _KEPT[0],
         _STEADY,
-        Limit("box_displacement", "above", lambda: carried(2, 4, LONG_WAY)),
+        Expected("box_displacement", "above", lambda: carried(2, 4, LONG_WAY)),
     ),
     ("grasp_centralized_passive", "passive"): Prediction(
         f"a controller that takes what the loop makes leaves {_OUTER}", _STEADY
@@ -266,7 +266,7 @@ PREDICTIONS: Mapping[tuple[str, str], Prediction] = {
     ),
     ("alternating_delays", "alternating"): Prediction(
         "joint spectral radius of both delays' maps, 1.000628 a period",
-        Limit("hand_2.position - object.position", "growth_within", _alternating, 0.03),
+        Expected("hand_2.position - object.position", "growth_within", _alternating, 0.03),
     ),
     ("grasp_deadband", "deadband"): Prediction(
         f"four packets in five of 128 a second in 10 s; {_QUIET}",
