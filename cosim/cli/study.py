@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -46,6 +46,12 @@ def command() -> None:
 @click.option("--participant", required=True, metavar="CODE", help="Who sits there: P01.")
 @OUT
 @click.option("--realtime/--no-realtime", default=True, help="Keep pace with the clock.")
+@click.option("--web", is_flag=True, help="Show the trials and ask on a page, in a browser.")
+@click.option(
+    "--live-at",
+    metavar="HOST:PORT",
+    help="Where the page is served. [default: 127.0.0.1, a free port]",
+)
 @click.option("--emulate", is_flag=True, help="The plan's 'emulated' answers; nothing is paced.")
 @output_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
@@ -55,6 +61,8 @@ def run_command(
     participant: str,
     out: Path | None,
     realtime: bool,
+    web: bool,
+    live_at: str | None,
     emulate: bool,
     cpu: int | None,
     enable_output: bool,
@@ -66,9 +74,8 @@ def run_command(
     from cosim.cli.support.devices import say
     from cosim.cli.support.effect import given_of
     from cosim.cli.support.run.one import RunOptions
-    from cosim.cli.support.study.person import PersonAtTerminal
+    from cosim.cli.support.study.participants import seated
     from cosim.cli.support.study.trials import TrialRunner
-    from cosim.study.emulated import EmulatedParticipant
     from cosim.study.session import take_part
 
     study, folder = _opened(plan, out)
@@ -81,14 +88,10 @@ def run_command(
     paced = realtime and not emulate
     if not paced and (named := given_of(devices)):
         raise InputError(f"{' and '.join(named)}: of runs that keep pace with the clock.")
-    if emulate:
-        if study.form.emulated is None or study.form.staircase is None:
-            raise InputError(f"{plan}: --emulate needs 'emulated' in the plan.")
-        who: Any = EmulatedParticipant(
-            study.form.emulated, study.form.staircase.answer, study.form.seed
-        )
-    else:
-        who = PersonAtTerminal()
+    if web and emulate:
+        raise InputError("--emulate answers by itself: leave out --web.")
+    if live_at is not None and not web:
+        raise InputError("--live-at without --web: there is no page; add --web.")
     options = RunOptions(
         figure=False,
         report=False,
@@ -98,8 +101,9 @@ def run_command(
         yes=yes,
         dead_man=dead_man,
     )
-    runner = TrialRunner(study, options, say)
-    done = take_part(study, folder, participant, who, runner, emulated=emulate, say=say)
+    with seated(study, emulate=emulate, web=web, live_at=live_at, say=say) as (who, announce):
+        runner = TrialRunner(study, options, say, announce)
+        done = take_part(study, folder, participant, who, runner, emulated=emulate, say=say)
     facts = {"participant": participant, "trials": done, "folder": str(folder.path)}
     if as_json:
         click.echo(json.dumps(facts))

@@ -1,7 +1,8 @@
 """The server in a process of its own, beside the one that records; it ends with that one.
 
 ``python -m cosim.live.process`` is what runs there. It is told what to serve in its argument, says
-the address on its standard output, and ends when its standard input does.
+the address on its standard output, and ends when its standard input does. A study's server reads
+there what it has to ask, a line of JSON each, and writes the answers.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, RunError
 
 if TYPE_CHECKING:
     from cosim.live.knobs import PageKnob
     from cosim.live.server import LiveServer
 
+GONE = "The server of the page is gone."
 NICENESS = 5
 """A loop on the same processor goes first, and so does everything else; a hand does not wait."""
 
@@ -33,7 +35,8 @@ class ServerProcess:
     ``wanted`` is the run, as :func:`cosim.realtime.watcher.find_feed` takes it. ``mailboxes`` (by
     user) are the shared memory of users whom pages may move, ``panels`` (by station) and
     ``control`` that of ``cohaptic play``, ``knobs`` what its pages may turn, ``theory`` what is
-    known of them; ``foxglove`` lets viewers in that speak Foxglove's protocol.
+    known of them; ``foxglove`` lets viewers in that speak Foxglove's protocol. ``study`` is the
+    title of a study that asks on the page.
     """
 
     def __init__(
@@ -47,6 +50,7 @@ class ServerProcess:
         knobs: Sequence[PageKnob] = (),
         theory: Mapping[str, Any] | None = None,
         foxglove: bool = False,
+        study: str | None = None,
     ) -> None:
         told = {
             "host": listen[0],
@@ -58,6 +62,7 @@ class ServerProcess:
             "knobs": [asdict(knob) for knob in knobs],
             "theory": theory,
             "foxglove": foxglove,
+            "study": study,
         }
         self.foxglove_address = ""
         """What Foxglove connects to, once ``address`` is known and it is let in."""
@@ -82,11 +87,38 @@ class ServerProcess:
         self.foxglove_address = said["foxglove"]
         return said["address"]
 
+    def tell(self, message: Mapping[str, Any]) -> None:
+        """Give it one message.
+
+        Raises:
+            RunError: it is gone.
+        """
+        assert self._process.stdin is not None, "its input is a pipe"
+        try:
+            self._process.stdin.write(json.dumps(message).encode() + b"\n")
+            self._process.stdin.flush()
+        except BrokenPipeError:
+            raise RunError(GONE) from None
+
+    def hear(self) -> dict[str, Any]:
+        """Its next message; waits for it.
+
+        Raises:
+            RunError: it is gone.
+        """
+        assert self._process.stdout is not None, "its output is a pipe"
+        line = self._process.stdout.readline()
+        if not line.endswith(b"\n"):
+            raise RunError(GONE)
+        return json.loads(line)
+
     def close(self) -> None:
         """End it."""
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                pipe.close()
+                # What was not taken any more is no fault of who ends it.
+                with suppress(BrokenPipeError):
+                    pipe.close()
         self._process.terminate()
         self._process.wait()
 
@@ -104,6 +136,7 @@ def main(told: Mapping[str, Any]) -> None:
     from cosim.live.mailbox import Mailbox
     from cosim.live.seats import Seats
     from cosim.live.server import LiveServer, Serving
+    from cosim.live.sheets import Sheets
     from cosim.realtime.ring import Ring
 
     seats = None
@@ -124,17 +157,25 @@ def main(told: Mapping[str, Any]) -> None:
         play=seats is not None,
         foxglove=told["foxglove"],
     )
-    asyncio.run(_serve(LiveServer(settings, seats)))
+    sheets = None if told["study"] is None else Sheets(told["study"], _say)
+    asyncio.run(_serve(LiveServer(settings, seats, sheets)))
 
 
 async def _serve(server: LiveServer) -> None:
     over = asyncio.Event()
     loop = asyncio.get_running_loop()
 
+    unfinished = b""
+
     def heard() -> None:
-        if not os.read(0, 4096):
+        nonlocal unfinished
+        read = os.read(0, 65536)
+        if not read:
             loop.remove_reader(0)
             over.set()
+        *lines, unfinished = (unfinished + read).split(b"\n")
+        for line in lines:
+            server.show(json.loads(line))
 
     loop.add_reader(0, heard)
 
@@ -147,7 +188,7 @@ async def _serve(server: LiveServer) -> None:
         _say({"error": str(error)})
 
 
-def _say(message: Mapping[str, str]) -> None:
+def _say(message: Mapping[str, Any]) -> None:
     sys.stdout.write(json.dumps(message) + "\n")
     sys.stdout.flush()
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
@@ -30,6 +30,7 @@ from cosim.live.followed import Followed
 from cosim.live.foxglove.clients import FoxgloveClients
 from cosim.live.foxglove.protocol import chosen_of
 from cosim.live.seats import Seats
+from cosim.live.sheets import LARGEST_ANSWER, Sheets
 from cosim.live.viewer import MOST_SIGNALS, Viewer
 
 WATCH_RATE = 32.0
@@ -60,9 +61,12 @@ class Serving:
 class LiveServer:
     """Serves one run at a time to any number of pages."""
 
-    def __init__(self, settings: Serving, seats: Seats | None = None) -> None:
+    def __init__(
+        self, settings: Serving, seats: Seats | None = None, sheets: Sheets | None = None
+    ) -> None:
         self._settings = settings
         self._seats = seats
+        self._sheets = sheets
         self._assets = assets.read_assets()
         self._viewers: set[Viewer] = set()
         self._foxgloves = FoxgloveClients()
@@ -85,7 +89,7 @@ class LiveServer:
                 process_request=self._request,
                 select_subprotocol=_protocol,
                 compression=None,
-                max_size=LARGEST_MESSAGE,
+                max_size=LARGEST_MESSAGE if self._sheets is None else LARGEST_ANSWER,
                 max_queue=8,
                 open_timeout=5,
                 close_timeout=1,
@@ -102,6 +106,12 @@ class LiveServer:
             frames.cancel()
             with suppress(asyncio.CancelledError):
                 await frames
+
+    def show(self, sheet: Mapping[str, Any]) -> None:
+        """Ask this on every page; of a study's server alone."""
+        assert self._sheets is not None, "nobody asks anything here"
+        self._sheets.show(sheet)
+        self._tell_sheet()
 
     @property
     def address(self) -> str:
@@ -146,6 +156,8 @@ class LiveServer:
         self._viewers.add(viewer)
         if self._seats is not None:
             self._seats.seat(viewer)
+        if self._sheets is not None:
+            viewer.tell(self._sheets.told())
         self._introduce(viewer)
         sender = asyncio.create_task(self._send(socket, viewer))
         try:
@@ -183,6 +195,8 @@ class LiveServer:
             viewer.signals = names[:MOST_SIGNALS]
         if self._seats is not None and self._seats.hear(viewer, said):
             self._tell_seats()
+        if self._sheets is not None and self._sheets.hear(said):
+            self._tell_sheet()
 
     # --- the run ---------------------------------------------------------------------------------
 
@@ -263,6 +277,11 @@ class LiveServer:
         for viewer in self._viewers:
             if self._seats is not None:
                 viewer.tell(self._seats.told(viewer))
+
+    def _tell_sheet(self) -> None:
+        for viewer in self._viewers:
+            if self._sheets is not None:
+                viewer.tell(self._sheets.told())
 
     def _picture(self) -> None:
         """Read the rings once for everybody."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -18,8 +19,13 @@ class EmulatedParticipant:
         """``answer`` is the question that the staircase follows."""
         self._form, self._answer, self._seed = form, answer, seed
 
-    def answer(self, name: str, question: QuestionForm, trial: StudyTrial | None) -> Answer:
+    def answers(
+        self, questions: Mapping[str, QuestionForm], trial: StudyTrial | None
+    ) -> dict[str, Answer]:
         """Drawn for the trial from its own seed: a session that goes on answers as a whole one."""
+        return {name: self._answered(name, each, trial) for name, each in questions.items()}
+
+    def _answered(self, name: str, question: QuestionForm, trial: StudyTrial | None) -> Answer:
         if name == self._answer and trial is not None and trial.value is not None:
             steep = self._form.slope * (trial.value - self._form.threshold[trial.condition])
             share = 1 / (1 + math.exp(-min(max(steep, -500.0), 500.0)))
@@ -34,7 +40,10 @@ class EmulatedParticipant:
                 return ""
             case "scale" | "number":
                 low = question.least if question.least is not None else 0.0
-                return low if question.most is None else (low + question.most) // 2
+                if question.most is None:
+                    return low
+                step = question.step or 1.0
+                return low + (question.most - low) // 2 // step * step
 
     def rest(self, seconds: float) -> None:
         """Needs none."""

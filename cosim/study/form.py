@@ -52,6 +52,10 @@ class QuestionForm(Form):
     )
     least: float | None = Field(default=None, description="scale, number: the smallest answer.")
     most: float | None = Field(default=None, description="scale, number: the greatest answer.")
+    step: Annotated[float, Field(gt=0)] | None = Field(
+        default=None,
+        description="scale, number: how far answers lie apart, from the smallest on; a scale: 1.",
+    )
     labels: list[str] = Field(
         default_factory=list[str], description="scale: what both ends mean; choice: the answers."
     )

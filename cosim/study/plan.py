@@ -67,6 +67,8 @@ def _judge_question(file: Path, name: str, question: QuestionForm) -> None:
         assert question.most is not None
         if question.least >= question.most:
             raise InputError(f"{where}: 'least' is not below 'most'.")
+    if question.step is not None and question.least is None:
+        raise InputError(f"{where}: 'step' is counted from 'least', which is not there.")
     if question.kind == "choice" and len(set(question.labels)) < 2:
         raise InputError(f"{where}: a choice has two 'labels' or more, all different.")
     if question.kind == "scale" and len(question.labels) not in {0, 2}:

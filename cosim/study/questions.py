@@ -15,11 +15,12 @@ Answer = bool | float | str
 Ask = Callable[[str, QuestionForm], Answer]
 """Puts a question, by its name, to somebody."""
 
-TLX_STEP = 5
+TLX_STEP = 5.0
 
 
 def _scale(ask: str, low: str, high: str) -> QuestionForm:
-    return QuestionForm(ask=ask, kind="scale", least=0.0, most=100.0, labels=[low, high])
+    ends = [low, high]
+    return QuestionForm(ask=ask, kind="scale", least=0.0, most=100.0, step=TLX_STEP, labels=ends)
 
 
 NASA_TLX: Mapping[str, QuestionForm] = {
@@ -60,15 +61,24 @@ def _number(question: QuestionForm, given: str) -> float:
     low = -math.inf if question.least is None else question.least
     high = math.inf if question.most is None else question.most
     limits = f" from {low:g} to {high:g}" if math.isfinite(low + high) else ""
-    whole = question.kind == "scale"
+    whole = question.kind == "scale" and question.step is None
     kind = "a whole number" if whole else "a number"
+    steps = "" if question.step is None else f" in steps of {question.step:g}"
+    origin, step = (0.0, 1.0) if whole else (low, question.step)
     try:
         value = float(given)
     except ValueError:
         value = math.nan
-    if not low <= value <= high or not math.isfinite(value) or (whole and value % 1):
-        raise ValueError(f"Answer {kind}{limits}.")
+    if not low <= value <= high or not _is_on_step(value, origin, step):
+        raise ValueError(f"Answer {kind}{limits}{steps}.")
     return value
+
+
+def _is_on_step(value: float, origin: float, step: float | None) -> bool:
+    if step is None or not math.isfinite(value):
+        return math.isfinite(value)
+    steps = (value - origin) / step
+    return math.isclose(steps, round(steps), abs_tol=1e-9)
 
 
 def tlx_index(answers: Mapping[str, Answer]) -> float:

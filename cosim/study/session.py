@@ -42,8 +42,10 @@ class StudyTrial:
 class Respondent(Protocol):
     """Who sits there: a person at a terminal, or one who is emulated."""
 
-    def answer(self, name: str, question: QuestionForm, trial: StudyTrial | None) -> Answer:
-        """What is answered; ``trial`` is the one that was just shown."""
+    def answers(
+        self, questions: Mapping[str, QuestionForm], trial: StudyTrial | None
+    ) -> dict[str, Answer]:
+        """What is answered, by the questions' names; ``trial`` is the one that was just shown."""
         ...
 
     def rest(self, seconds: float) -> None:
@@ -133,10 +135,7 @@ class _Session:
             case "rest":
                 return self._rest(step)
             case "form":
-                answers = {
-                    name: self.participant.answer(name, each, None)
-                    for name, each in NASA_TLX.items()
-                }
+                answers = self.participant.answers(NASA_TLX, None)
                 head = {"form": "nasa_tlx", "condition": step.condition}
                 return {**head, "answers": answers, "at": now()}
             case "trial":
@@ -167,10 +166,8 @@ class _Session:
                 "What was done before is kept; the same command does this trial again."
             )
         shown = time.monotonic() - began
-        answers = {
-            name: self.participant.answer(name, each, trial)
-            for name, each in self.plan.form.questions.items()
-        }
+        asked = self.plan.form.questions
+        answers = self.participant.answers(asked, trial) if asked else {}
         return {
             "trial": trial.number,
             "condition": trial.condition,

@@ -6,6 +6,7 @@ import { Hand } from "/hand.js";
 import { Quantiles, delays, losses, packets, ripple, saturation } from "/measures.js";
 import { Plots } from "/plots.js";
 import { STATES, Scene, label, mark } from "/scene.js";
+import { Sheet } from "/sheet.js";
 import { Store } from "/store.js";
 import { colours, onTheme } from "/theme.js";
 import { drawMap, modesAt, radiusAt } from "/theory.js";
@@ -37,14 +38,16 @@ let chosenNames = [];
 
 const connection = new Connection(location.hash.slice(1), {
   opened: () => say("Connected."),
-  closed: (ever) => say(
-    ever ? "The run's server is gone; looking for it." :
-      "Not let in: open the whole address that cohaptic printed, with what follows the #.",
-  ),
+  closed: (ever) => {
+    sheet.over();
+    say(ever ? "The run's server is gone; looking for it." :
+      "Not let in: open the whole address that cohaptic printed, with what follows the #.");
+  },
   waiting: () => say("No run goes on; the next one is shown."),
   ended: () => say("The run has ended."),
   run: introduce,
   seats: takeSeats,
+  sheet: takeSheet,
   rows: (frame) => store.add(frame.rows),
   frame: (frame) => {
     store.add(frame.rows);
@@ -69,19 +72,32 @@ globalThis.cohaptic = {
   get measured() { return latency.count; },
   get drawing() { return drawing; },
 };
+const sheet = new Sheet($("sheet"), (answer) => connection.say({ sheet: answer }));
 const hand = new Hand($("scene"), scene, (message) => connection.say(message));
 
 function say(text) {
   $("state").textContent = text;
 }
 
+function name(text) {
+  $("name").textContent = text;
+  document.title = `${text} · cohaptic`;
+}
+
+/** A participant sees the scene alone: numbers and names would tell what is studied. */
+function takeSheet(told) {
+  sheet.show(told);
+  document.body.classList.add("study");
+  name(told.title);
+  say(told.heading);
+}
+
 // --- what is shown -------------------------------------------------------------------------------
 
 function introduce(told) {
   run = told;
-  $("name").textContent = told.name;
-  document.title = `${told.name} · cohaptic`;
-  say("The run goes on.");
+  if (sheet.title === null) name(told.name);
+  say(sheet.heading || "The run goes on.");
   store.clear();
   forces = forcesOf(told.scene.fingers);
   scene.show(told.scene, told.values);

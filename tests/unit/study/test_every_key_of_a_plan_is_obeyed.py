@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -61,9 +62,11 @@ class Somebody:
         self.did: list[Any] = []
         self._notices = notices
 
-    def answer(self, name: str, question: QuestionForm, trial: StudyTrial | None) -> Answer:
-        self.did.append((name, question.ask, trial))
-        return self._notices if question.kind == "yes_no" else 50.0
+    def answers(
+        self, questions: Mapping[str, QuestionForm], trial: StudyTrial | None
+    ) -> dict[str, Answer]:
+        self.did += [(name, each.ask, trial) for name, each in questions.items()]
+        return {n: self._notices if q.kind == "yes_no" else 50.0 for n, q in questions.items()}
 
     def rest(self, seconds: float) -> None:
         self.did.append(seconds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Mapping
 
 import click
 
@@ -11,6 +12,8 @@ from cosim.base.errors import InputError, RunError
 from cosim.study.form import QuestionForm
 from cosim.study.questions import Answer, parse_answer
 from cosim.study.session import StudyTrial
+
+LEFT = "The session is left; the same command goes on with this trial."
 
 
 class PersonAtTerminal:
@@ -23,26 +26,34 @@ class PersonAtTerminal:
             InputError: there is none, so that nobody could answer.
         """
         if not sys.stdin.isatty():
-            raise InputError("questions need a terminal; --emulate tries a plan without one.")
+            raise InputError(
+                "questions need a terminal; --web asks on a page, --emulate tries a plan alone."
+            )
 
-    def answer(self, name: str, question: QuestionForm, trial: StudyTrial | None) -> Answer:
-        """Ask until what is typed is an answer.
+    def answers(
+        self, questions: Mapping[str, QuestionForm], trial: StudyTrial | None
+    ) -> dict[str, Answer]:
+        """Ask one after the other, each until what is typed is an answer.
 
         Raises:
             RunError: the participant ended the session.
         """
-        del name, trial
-        while True:
-            try:
-                return parse_answer(question, _line(f"{question.ask} {_hint(question)}: "))
-            except ValueError as error:
-                click.echo(str(error), err=True)
+        del trial
+        return {name: _answer(question) for name, question in questions.items()}
 
     def rest(self, seconds: float) -> None:
         """Wait, then for Enter."""
         click.echo(f"Rest{f' for {seconds:g} s' if seconds else ''}.", err=True)
         time.sleep(seconds)
         _line("Press Enter to go on: ")
+
+
+def _answer(question: QuestionForm) -> Answer:
+    while True:
+        try:
+            return parse_answer(question, _line(f"{question.ask} {_hint(question)}: "))
+        except ValueError as error:
+            click.echo(str(error), err=True)
 
 
 def _line(prompt: str) -> str:
@@ -56,7 +67,7 @@ def _line(prompt: str) -> str:
     except KeyboardInterrupt:
         line = ""
     if not line:
-        raise RunError("\nThe session is left; the same command goes on with this trial.")
+        raise RunError(f"\n{LEFT}")
     return line
 
 

@@ -19,13 +19,21 @@ if TYPE_CHECKING:
 class TrialRunner:
     """Paced, where somebody sits there; a record for each trial."""
 
-    def __init__(self, plan: StudyPlan, options: RunOptions, say: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        plan: StudyPlan,
+        options: RunOptions,
+        say: Callable[[str], None],
+        announce: Callable[[str], None],
+    ) -> None:
         """Read every condition's scenario once, so that what is wrong is said before anybody waits.
+
+        ``announce`` is told of each trial before it begins.
 
         Raises:
             InputError: a scenario, a place or a value cannot be used.
         """
-        self._plan, self._base, self._say = plan, options, say
+        self._plan, self._base, self._say, self._announce = plan, options, say, announce
         self._places = {name: self._expanded(name) for name in plan.form.conditions}
         for name in plan.form.conditions:
             rule = plan.form.staircase
@@ -39,7 +47,7 @@ class TrialRunner:
             InputError, RunError: as ``cohaptic run``.
         """
         count = self._plan.form.trials * len(self._plan.form.conditions)
-        self._say(f"Trial {trial.number} of {count}.")
+        self._announce(f"Trial {trial.number} of {count}.")
         scenario, options = self._read(trial)
         return run_one(scenario, folder, options, self._say).summary.content
 
