@@ -1,16 +1,20 @@
 """What repeating runs costs beside the loops themselves: ``python bench/sweeps.py``.
 
 Bare loops and sweeps take turns, each on every processor, so that other load hits both alike. The
-bare sum of loops over the processors is what no sweep can beat.
+bare sum of loops over the processors is what no sweep can beat. On a machine that has other work to
+do the processor times say more: of the workers and of the process that feeds them, over that of the
+loops.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from cosim.master.run.simulation import assemble
 from cosim.reading import FORMS
@@ -23,25 +27,40 @@ from cosim.sweep.work.worker import settle
 BOX, AXIS = "two_users_box", "single_axis_distributed"
 
 
-def bare(scenario: str, runs: int) -> float:
-    """The loops alone (s): FMUs reset between them, nothing recorded, nothing looked at."""
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What some runs took."""
+
+    wall: float
+    used: float
+    """Processor time (s), of all processes together."""
+
+
+def bare(scenario: str, runs: int) -> Cost:
+    """The loops alone: FMUs reset between them, nothing recorded, nothing looked at.
+
+    Their processor time is their share of what this process used.
+    """
     plan = plan_for(scenario, 1)
     runner_scenario = replace(_first(plan), expect={})
     total = 0.0
     with assemble(runner_scenario) as simulation:
         simulation.run(keep_fmus=True)
+        wall, used = time.perf_counter(), time.process_time()
         for _ in range(runs):
             simulation.renew(simulation.assembly)
             simulation.run(keep_fmus=True)
             total += simulation.outcome.wall_time
-    return total
+        wall, used = time.perf_counter() - wall, time.process_time() - used
+    return Cost(total, used * total / wall)
 
 
-def bare_everywhere(scenario: str, runs: int, workers: int) -> float:
-    """The time (s) that the loops alone of so many runs take, spread over processes."""
+def bare_everywhere(scenario: str, runs: int, workers: int) -> Cost:
+    """What the loops alone of so many runs take, spread over processes."""
     command = [sys.executable, __file__, "--bare", scenario, str(runs // workers)]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(workers)]
-    return sum(float(process.communicate()[0]) for process in started) / workers
+    found = [Cost(*map(float, process.communicate()[0].split())) for process in started]
+    return Cost(sum(each.wall for each in found) / workers, sum(each.used for each in found))
 
 
 def plan_for(scenario: str, runs: int, **more: object) -> SweepPlan:
@@ -49,14 +68,23 @@ def plan_for(scenario: str, runs: int, **more: object) -> SweepPlan:
     return plan_of(Request(scenario=scenario, seeds=runs, **given), FORMS)  # type: ignore[arg-type]
 
 
-def swept(plan: SweepPlan, pool: LocalPool, numbers: range) -> float:
-    """The time (s) of these points in a pool whose workers are up."""
-    began = time.perf_counter()
+def swept(plan: SweepPlan, pool: LocalPool, numbers: range) -> Cost:
+    """What these points take in a pool whose workers are up."""
+    began, used = time.perf_counter(), _used(pool)
     tasks = (Task(number, plan.points[number], str(number)) for number in numbers)
     results = list(pool.run(tasks))
     bad = next((result for result in results if not result.is_over), None)
     assert bad is None, bad
-    return time.perf_counter() - began
+    return Cost(time.perf_counter() - began, _used(pool) - used)
+
+
+def _used(pool: LocalPool) -> float:
+    """Processor time (s) of the workers and of this process."""
+    ticks = 0
+    for process in pool.processes:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK") + time.process_time()
 
 
 def compare(
@@ -66,6 +94,7 @@ def compare(
     part = runs // rounds
     ratios: list[float] = []
     sums = [0.0, 0.0]
+    used = [0.0, 0.0]
     began = time.perf_counter()
     with LocalPool(plan.job, workers) as pool:
         pool.start()
@@ -74,15 +103,19 @@ def compare(
             loops = bare_everywhere(scenario, part, workers) if not more else None
             wall = swept(plan, pool, range(turn * part, (turn + 1) * part))
             if loops is not None:
-                ratios.append(wall / loops)
-                sums[0] += loops
-            sums[1] += wall
+                ratios.append(wall.wall / loops.wall)
+                sums[0] += loops.wall
+                used[0] += loops.used
+            sums[1] += wall.wall
+            used[1] += wall.used
     ratios.sort()
     print(f"{title}: {runs} runs, {workers} workers, up after {up:.2f} s")
     if ratios:
         print(f"  bare sum of loops / workers {sums[0]:.2f} s, sweep {sums[1]:.2f} s")
         print(f"  ratio {sums[1] / sums[0]:.2f} in all; of {rounds} rounds the median", end=" ")
         print(f"{ratios[len(ratios) // 2]:.2f}, the best {ratios[0]:.2f}")
+        print(f"  processor time: loops {used[0]:.2f} s, sweep {used[1]:.2f} s,", end=" ")
+        print(f"ratio {used[1] / used[0]:.2f}")
     else:
         print(f"  sweep {sums[1]:.2f} s, {1e3 * sums[1] * workers / runs:.2f} ms a run and worker")
 
@@ -101,7 +134,8 @@ def single(runs: int) -> None:
         wall, used = time.perf_counter() - wall, time.process_time() - used
     loops = bare(AXIS, runs)
     print(f"single axis, half a second: {runs / wall:.0f} a second ({runs / used:.0f} a second of")
-    print(f"  processor time), bare loops alone {runs / loops:.0f} a second")
+    print(f"  processor time), bare loops alone {runs / loops.wall:.0f} a second", end=" ")
+    print(f"({runs / loops.used:.0f} a second of processor time)")
 
 
 def _first(plan: SweepPlan):
@@ -117,7 +151,8 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=8)
     chosen = parser.parse_args()
     if chosen.bare:
-        print(bare(chosen.bare[0], int(chosen.bare[1])))
+        cost = bare(chosen.bare[0], int(chosen.bare[1]))
+        print(cost.wall, cost.used)
         return
     workers = processors()
     compare("half a second of two_users_box", BOX, chosen.runs, workers, chosen.rounds)
