@@ -16,6 +16,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -186,6 +187,11 @@ class Component(ABC):
     def played(self) -> Played | None:
         """What is shown at the outputs in place of ``evaluate``, at no cost in a tick."""
         return None
+
+    @property
+    def files(self) -> Sequence[Path]:
+        """What it has read besides its parameters: a snapshot belongs to their content, too."""
+        return ()
 
     @property
     def dependencies(self) -> Mapping[str, Sequence[str]]:

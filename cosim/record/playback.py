@@ -98,6 +98,11 @@ class Playback(Component):
         """The recorded ones."""
         return self._variables
 
+    @property
+    def files(self) -> Sequence[Path]:
+        """The record that is played."""
+        return (self._folder / RUN_FILE,)
+
     def bind_texts(self, inputs: Mapping[str, TextCells], outputs: Mapping[str, TextCells]) -> None:
         """Keep the outputs' views."""
         self._words = [(outputs[name], text) for name, text in self._texts.items()]

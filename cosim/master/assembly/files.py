@@ -45,7 +45,7 @@ def with_files(scenario: Scenario, participants: Mapping[str, Participant]) -> S
 def files_of(scenario: Scenario, participants: Mapping[str, Participant]) -> Iterator[Path]:
     """What else the numbers depend on: tables, devices' files, traces of channels."""
     for name, component in scenario.components.items():
-        yield from _of_parameters(participants[name])
+        yield from files_read(participants[name])
         if component.kind is Kind.TABLE:
             yield Path(component.source)
         if component.kind is Kind.DEVICE and isinstance(component.options.get("file"), str):
@@ -56,7 +56,8 @@ def files_of(scenario: Scenario, participants: Mapping[str, Participant]) -> Ite
             yield from (file for file in files if isinstance(file, Path))
 
 
-def _of_parameters(participant: Participant) -> list[Path]:
+def files_read(participant: Participant) -> list[Path]:
+    """The files that its parameters name."""
     variables = participant.interface.variables
     return [
         Path(str(elements[0]))

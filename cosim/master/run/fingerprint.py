@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from cosim.master.assembly.assemble import Assembly
+from cosim.master.assembly.files import files_read
 from cosim.master.assembly.plan import Action
 from cosim.master.assembly.wiring import Bundle
 from cosim.master.components.participant import Participant
+from cosim.scenario import Kind
 
 
 def plan_digest(assembly: Assembly) -> str:
@@ -22,12 +27,13 @@ def plan_digest(assembly: Assembly) -> str:
 
 
 def components_of(assembly: Assembly) -> dict[str, dict[str, str | None]]:
-    """What each component is, by name: its kind, its FMU or class, and a digest of its values."""
+    """What each component is, by name: its kind, its FMU or class, digests of files and values."""
     return {
         name: {
             "kind": str(assembly.scenario.components[name].kind),
             "fmu": None if each.fmu is None else each.fmu.sha256,
             "class": None if each.component is None else _class_of(each.component),
+            "files": _files_digest(each, assembly.scenario.components[name].kind),
             "values": _values_digest(each, assembly.scenario.components[name].parameters),
         }
         for name, each in assembly.participants.items()
@@ -53,6 +59,11 @@ def difference(
             )
         if (there.get("kind"), there.get("class")) != (here["kind"], here["class"]):
             return f"{name} was {there.get('class') or there.get('kind')} when it was taken."
+        if there.get("files") != here["files"]:
+            return (
+                f"a file that {name} reads had another content when it was taken; put that back, "
+                "or take a new one."
+            )
         if there.get("values") != here["values"]:
             return (
                 f"{name} had other parameters, start values or rows when it was taken; run it with "
@@ -102,6 +113,40 @@ def _effect(effect: Any) -> Any:
 
 def _class_of(component: object) -> str:
     return f"{type(component).__module__}:{type(component).__qualname__}"
+
+
+def _files_digest(participant: Participant, kind: Kind) -> str | None:
+    """Of all that it reads: tables of its parameters, an earlier run, the module of its class."""
+    files = files_read(participant)
+    if participant.component is not None:
+        files += participant.component.files
+        if kind is Kind.PYTHON:
+            files += _module_of(participant.component)
+    if not files:
+        return None
+    return hashlib.sha256("\n".join(map(_content, files)).encode()).hexdigest()
+
+
+def _module_of(component: object) -> list[Path]:
+    """Where its class is written; nowhere, where somebody wrote it in a notebook."""
+    module = sys.modules.get(type(component).__module__)
+    file = getattr(module, "__file__", None)
+    return [] if file is None else [Path(file)]
+
+
+def _content(file: Path) -> str:
+    """A digest, taken again where time or size is another."""
+    try:
+        stat = file.stat()
+        return _digest_of(file, (stat.st_ino, stat.st_size, stat.st_mtime_ns))
+    except OSError as error:
+        return f"{error.strerror}"
+
+
+@lru_cache(maxsize=256)
+def _digest_of(file: Path, _mark: tuple[int, ...]) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
 
 
 def _values_digest(participant: Participant, written: Mapping[str, Any]) -> str:

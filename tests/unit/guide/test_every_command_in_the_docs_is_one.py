@@ -1,6 +1,6 @@
 """Every command line that a page shows names a command and options that there are.
 
-``tests/system/guide`` runs those of the tutorial; here all pages are read, and nothing is run.
+``tests/system/guide`` runs those of blocks; here those within the text are read, too.
 """
 
 from __future__ import annotations
@@ -8,30 +8,26 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator
-from pathlib import Path
 
 import click
 import pytest
 
 from cosim.cli import cli
+from tests.support.guide.blocks import PAGES, ROOT, commands
 
-ROOT = Path(__file__).parents[3]
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *ROOT.glob("fmus/*/README.md")])
-BLOCK = re.compile(r"```(?:sh|console|bash)\n(.*?)```", re.DOTALL)
-LINE = re.compile(r"(?:\$ )?(?:\w+=\S+ )*(?:uv run (?:--\S+ \S+ )?)?(cohaptic .*)")
+BLOCK = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
+LINE = re.compile(r"(?:\w+=\S+ )*(?:uv run (?:--\S+ \S+ )?)?(cohaptic .*)")
 INLINE = re.compile(r"`(cohaptic [^`]+)`")
 MEANT = re.compile(r"…|\.\.\.|\[|\||[A-Z]{3,}")
 """What stands for something else; options before it are read all the same."""
 
 
 def shown() -> Iterator[tuple[str, str]]:
+    for each in commands():
+        if found := LINE.match(each.line):
+            yield each.page, found[1]
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
-        for block in BLOCK.findall(text):
-            for line in block.replace("\\\n", " ").splitlines():
-                found = LINE.match(line.strip())
-                if found:
-                    yield page.relative_to(ROOT).as_posix(), found[1]
         for line in INLINE.findall(BLOCK.sub("", text)):
             yield page.relative_to(ROOT).as_posix(), " ".join(line.split())
 

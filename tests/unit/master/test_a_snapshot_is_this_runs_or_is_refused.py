@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,8 +19,15 @@ from cosim.base.errors import InputError, RunError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.master.run.snapshot import Snapshot, read_snapshot
+from cosim.record.playback import KINDS
+from cosim.run import run_scenario
 from tests.support.master.master_support import scenario_of
 
+OWN = """
+from tests.support.master.resumable_parts import Saved
+class Own(Saved):
+    gain = {value}
+"""
 PARTS = "tests.support.master.resumable_parts"
 TICK, FIRST_END, END = 37, 60, 90
 
@@ -46,7 +54,7 @@ def with_part(name: str) -> dict[str, Any]:
 
 
 def simulation_of(folder: Path, written: Any = WRITTEN, sets: Sequence[str] = ()) -> Simulation:
-    return assemble(scenario_of(folder, written, sets))
+    return assemble(scenario_of(folder, written, sets), kinds=KINDS)
 
 
 def snapshot_of(folder: Path, written: Any = WRITTEN) -> Snapshot:
@@ -186,6 +194,47 @@ def test_of_another_run(tmp_path: Path, sets: tuple[str, ...], sentence: str) ->
         refuses(simulation_of(tmp_path, written), snapshot, sentence)
     else:
         refuses(simulation_of(tmp_path, WRITTEN, sets), snapshot, sentence)
+
+
+@pytest.mark.parametrize("kind", ["fmu's table", "csv", "record", "module"])
+def test_of_files_with_another_content(kind: str, tmp_path: Path) -> None:
+    """A table, a recording or a module that was written again, under the same name."""
+    parts = {
+        "fmu's table": {
+            "fmu": "signal",
+            "parameters": {"mode": "table", "table_file": str(tmp_path / "t.txt")},
+        },
+        "csv": {"table": str(tmp_path / "t.csv")},
+        "record": {"playback": str(tmp_path / "run")},
+        "module": {"python": f"{tmp_path / 'own_part.py'}:Own"},
+    }
+    part = {**parts[kind], "rate": 1024, "station": "a"}
+    name = "push" if kind == "record" else "part"
+    written = {**WRITTEN, "components": {**WRITTEN["components"], name: part}}
+    write_files(kind, tmp_path, 1.5)
+    snapshot = snapshot_of(tmp_path, written)
+    goes_on(tmp_path, written)
+    write_files(kind, tmp_path, 2.5)
+    refuses(simulation_of(tmp_path, written), snapshot, f"{name} (reads had|had other)")
+
+
+def write_files(kind: str, folder: Path, value: float) -> None:
+    match kind:
+        case "fmu's table":
+            (folder / "t.txt").write_text(f"0 {value}\n1 {value}\n")
+        case "csv":
+            (folder / "t.csv").write_text(f"time [s],value\n0,{value}\n1,{value}\n")
+        case "record":
+            shutil.rmtree(folder / "run", ignore_errors=True)
+            frequency = f"components.push.parameters.frequency={value}"
+            (folder / "recorded").mkdir(exist_ok=True)
+            run_scenario(
+                scenario_of(folder / "recorded", WRITTEN, (frequency, "duration=0.125")),
+                folder / "run",
+                figure=False,
+            )
+        case _:
+            (folder / "own_part.py").write_text(OWN.format(value=value))
 
 
 def test_of_other_components(tmp_path: Path) -> None:
