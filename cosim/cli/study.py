@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +19,7 @@ from cosim.cli.support.values import OutputFile, OutputFolder
 if TYPE_CHECKING:
     from cosim.study.folder import StudyFolder
     from cosim.study.plan import StudyPlan
+    from cosim.study.session import StudyTrial
 
 PLAN = click.argument("plan", type=click.Path(path_type=Path))
 OUT = click.option("--out", type=OutputFolder(), help="The study's folder. [default: studies/PLAN]")
@@ -52,6 +55,7 @@ def command() -> None:
     metavar="HOST:PORT",
     help="Where the page is served. [default: 127.0.0.1, a free port]",
 )
+@click.option("--hands", is_flag=True, help="The page's pointers move the users' hands.")
 @click.option("--emulate", is_flag=True, help="The plan's 'emulated' answers; nothing is paced.")
 @output_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
@@ -63,6 +67,7 @@ def run_command(
     realtime: bool,
     web: bool,
     live_at: str | None,
+    hands: bool,
     emulate: bool,
     cpu: int | None,
     enable_output: bool,
@@ -74,6 +79,7 @@ def run_command(
     from cosim.cli.support.devices import say
     from cosim.cli.support.effect import given_of
     from cosim.cli.support.run.one import RunOptions
+    from cosim.cli.support.study.hands import ParticipantHands
     from cosim.cli.support.study.participants import seated
     from cosim.cli.support.study.trials import TrialRunner
     from cosim.study.session import take_part
@@ -92,6 +98,8 @@ def run_command(
         raise InputError("--emulate answers by itself: leave out --web.")
     if live_at is not None and not web:
         raise InputError("--live-at without --web: there is no page; add --web.")
+    if hands and not (web and paced):
+        raise InputError("--hands is for trials that a page shows while they go on: add --web.")
     options = RunOptions(
         figure=False,
         report=False,
@@ -101,9 +109,18 @@ def run_command(
         yes=yes,
         dead_man=dead_man,
     )
-    with seated(study, emulate=emulate, web=web, live_at=live_at, say=say) as (who, announce):
-        runner = TrialRunner(study, options, say, announce)
-        done = take_part(study, folder, participant, who, runner, emulated=emulate, say=say)
+    with ExitStack() as stack:
+        own = stack.enter_context(ParticipantHands()) if hands else None
+        runner = TrialRunner(study, options, say, own)
+        boxes: Mapping[str, Path] = {} if own is None else own.mailboxes
+        seat = seated(study, emulate=emulate, web=web, live_at=live_at, mailboxes=boxes, say=say)
+        who, announce = stack.enter_context(seat)
+
+        def show(trial: StudyTrial, folder: Path) -> Mapping[str, Any]:
+            announce(f"Trial {trial.number} of {study.form.trials * len(study.form.conditions)}.")
+            return runner(trial, folder)
+
+        done = take_part(study, folder, participant, who, show, emulated=emulate, say=say)
     facts = {"participant": participant, "trials": done, "folder": str(folder.path)}
     if as_json:
         click.echo(json.dumps(facts))

@@ -136,7 +136,7 @@ def main(told: Mapping[str, Any]) -> None:
     from cosim.live.mailbox import Mailbox
     from cosim.live.seats import Seats
     from cosim.live.server import LiveServer, Serving
-    from cosim.live.sheets import Sheets
+    from cosim.live.study.sheets import Sheets
     from cosim.realtime.ring import Ring
 
     seats = None

@@ -30,7 +30,7 @@ from cosim.live.followed import Followed
 from cosim.live.foxglove.clients import FoxgloveClients
 from cosim.live.foxglove.protocol import chosen_of
 from cosim.live.seats import Seats
-from cosim.live.sheets import LARGEST_ANSWER, Sheets
+from cosim.live.study.sheets import LARGEST_ANSWER, Sheets
 from cosim.live.viewer import MOST_SIGNALS, Viewer
 
 WATCH_RATE = 32.0

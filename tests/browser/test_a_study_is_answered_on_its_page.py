@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from cosim.record.reader import open_run
 from tests.browser.conftest import command, until
 
 pytestmark = pytest.mark.browser
@@ -30,6 +31,16 @@ questions:
   words: {ask: "Anything else?", kind: text}
 after_condition: [nasa_tlx]
 break: {every: 2, least: 1}
+"""
+
+
+CARRIED = """\
+study: 1
+scenario: two_users_box
+set: [duration=4, expect=~]
+conditions: {one: {}}
+trials: 1
+questions: {held: {ask: "Did you hold it?"}}
 """
 
 
@@ -147,3 +158,25 @@ def test_a_study_is_answered_left_and_taken_up_again(study, opened):
     assert "P1 goes on after 2 of 4 trials." in "".join(process.said)
     assert [each["trial"] for each in steps() if "trial" in each] == [1, 2, 3, 4]
     assert len(steps()) == 8
+
+
+def test_a_participant_moves_a_hand_in_the_trial(tmp_path, opened):
+    plan, study = tmp_path / "plan.yaml", tmp_path / "study"
+    plan.write_text(CARRIED)
+    words = ("study", str(plan), "--participant", "P1", "--web", "--hands", "--out", str(study))
+    with command(*words) as (address, process):
+        page = opened(address)
+        heading(page, "Welcome.")
+        press(page, "Begin")
+        until(page, "cohaptic.run?.scene.pointers.length === 2 && cohaptic.time !== null")
+        box = page.locator("#scene").bounding_box()
+        for step in range(20):
+            page.mouse.move(box["x"] + box["width"] / 2 + step, box["y"] + box["height"] / 2)
+        assert not page.locator("#pace").is_visible(), "a trial keeps its pace"
+        heading(page, "After trial 1")
+        page.check("#question-held input[value=y]")
+        press(page, "Go on")
+        assert process.wait(30) == 0
+    with open_run(study / "people" / "P1" / "trial-001") as run:
+        assert run["pointer_station_a.valid"].values.any()
+        assert len(set(run["pointer_station_a.position_1[1]"].values)) > 2

@@ -82,6 +82,9 @@ def test_answers_are_asked_again_until_they_are_some_and_a_page_may_leave(monkey
     [
         (("--web", "--emulate"), "leave out --web"),
         (("--live-at", "127.0.0.1:0"), "add --web"),
+        (("--hands",), "--hands is for"),
+        (("--hands", "--web", "--no-realtime"), "--hands is for"),
+        (("--hands", "--web"), "nobody can take part in"),
         (("--web", "--live-at", "0.0.0.0:0"), "stands for every address"),
     ],
 )

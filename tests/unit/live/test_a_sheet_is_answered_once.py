@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cosim.live.sheets import Sheets
+from cosim.live.study.sheets import Sheets
 
 ASKED = {"number": 3, "heading": "After trial 1", "questions": [{"name": "a"}], "button": "Go on"}
 

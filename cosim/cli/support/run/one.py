@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +17,7 @@ from cosim.cli.support.pace import pace_of
 from cosim.cli.support.page import live_page, scene_of
 
 if TYPE_CHECKING:
+    from cosim.base.component import Component
     from cosim.cli.support.pace import Policy
     from cosim.master.run.execution.loop import Progress
     from cosim.realtime.paced_run import PacedRun
@@ -96,9 +97,15 @@ def read_one(written: str | None, options: RunOptions, say: Callable[[str], None
 
 
 def run_one(
-    scenario: Scenario, out: Path | None, options: RunOptions, say: Callable[[str], None]
+    scenario: Scenario,
+    out: Path | None,
+    options: RunOptions,
+    say: Callable[[str], None],
+    instances: Mapping[str, Component] | None = None,
 ) -> Finished:
     """Run it into ``out``, or into the next free ``runs/<scenario>-<n>``.
+
+    ``instances`` are components of this process, by name, of a run that is paced.
 
     Raises:
         InputError, RunError: as ``cosim.run.run_scenario``.
@@ -146,6 +153,7 @@ def run_one(
             deadlines=paced.statistics,
             figure=options.figure,
             page=options.report,
+            instances=instances,
             judge=judge,
             say=say,
         )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 
 from cosim.base.errors import InputError
 from cosim.cli.support.page import ANYWHERE
@@ -16,9 +17,17 @@ Say = Callable[[str], None]
 
 @contextmanager
 def seated(
-    study: StudyPlan, *, emulate: bool, web: bool, live_at: str | None, say: Say
+    study: StudyPlan,
+    *,
+    emulate: bool,
+    web: bool,
+    live_at: str | None,
+    mailboxes: Mapping[str, Path],
+    say: Say,
 ) -> Generator[tuple[Respondent, Say]]:
     """Who answers, and how a trial is announced to them.
+
+    ``mailboxes`` are those of the users whose hands the page moves.
 
     Raises:
         InputError: there is no terminal, no place for a page, or nobody to emulate.
@@ -36,7 +45,8 @@ def seated(
     from cosim.live.process import ServerProcess
 
     title = study.form.title or study.name
-    with ServerProcess(listening(live_at or ANYWHERE), str(os.getpid()), study=title) as server:
+    where, run = listening(live_at or ANYWHERE), str(os.getpid())
+    with ServerProcess(where, run, mailboxes=mailboxes, study=title) as server:
         somebody = PersonAtPage(server, say)
         say(f"study at: {server.address()}")
         yield somebody, somebody.announce

@@ -13,6 +13,7 @@ from cosim.study.session import StudyTrial
 from cosim.sweep.planning.places import expand
 
 if TYPE_CHECKING:
+    from cosim.cli.support.study.hands import ParticipantHands
     from cosim.scenario.load import Written
 
 
@@ -24,16 +25,16 @@ class TrialRunner:
         plan: StudyPlan,
         options: RunOptions,
         say: Callable[[str], None],
-        announce: Callable[[str], None],
+        hands: ParticipantHands | None = None,
     ) -> None:
         """Read every condition's scenario once, so that what is wrong is said before anybody waits.
 
-        ``announce`` is told of each trial before it begins.
+        ``hands`` are those of participants who move them on a page.
 
         Raises:
             InputError: a scenario, a place or a value cannot be used.
         """
-        self._plan, self._base, self._say, self._announce = plan, options, say, announce
+        self._plan, self._base, self._say, self._hands = plan, options, say, hands
         self._places = {name: self._expanded(name) for name in plan.form.conditions}
         for name in plan.form.conditions:
             rule = plan.form.staircase
@@ -46,15 +47,18 @@ class TrialRunner:
         Raises:
             InputError, RunError: as ``cohaptic run``.
         """
-        count = self._plan.form.trials * len(self._plan.form.conditions)
-        self._announce(f"Trial {trial.number} of {count}.")
         scenario, options = self._read(trial)
-        return run_one(scenario, folder, options, self._say).summary.content
+        instances = None if self._hands is None else self._hands.instances(scenario)
+        return run_one(scenario, folder, options, self._say, instances).summary.content
 
     def _read(self, trial: StudyTrial) -> tuple[Any, RunOptions]:
         sets = (*condition_sets(self._plan, trial.condition), *self._own(trial))
         options = replace(self._base, sets=sets)
-        return read_one(str(self._plan.scenario_of(trial.condition)), options, self._say), options
+        file = self._plan.scenario_of(trial.condition)
+        scenario = read_one(str(file), options, self._say)
+        if self._hands is not None:
+            scenario = self._hands.taken_over(scenario, file, sets)
+        return scenario, options
 
     def _own(self, trial: StudyTrial) -> list[str]:
         unit = self._plan.form.staircase.unit if self._plan.form.staircase else ""

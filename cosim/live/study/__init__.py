@@ -1,0 +1,1 @@
+"""What the page of a study has besides that of a run."""
