@@ -7,8 +7,10 @@ how to go on.
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import logging
+import pickle
 import threading
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -89,8 +91,10 @@ class DaskPool:
     def _run(self, waiting: Iterator[Task]) -> Iterator[RunResult]:
         singly: deque[list[Task]] = deque()
         under_way: dict[Any, list[Task]] = {}
-        job = self._client.scatter(self._job, broadcast=True)
-        token = str(job.key)  # of the job's content
+        # It travels with every chunk: what was scattered is lost with the last worker that has it,
+        # and then nothing is run and nothing is said.
+        job = pickle.dumps(self._job)
+        token = hashlib.sha256(job).hexdigest()
         while True:
             while len(under_way) < self._room():
                 chunk = singly.popleft() if singly else list(islice(waiting, self._chunk))
@@ -148,12 +152,12 @@ def _silence(*packages: str) -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
-def _run_chunk(token: str, job: Job, tasks: list[Task]) -> list[RunResult]:
+def _run_chunk(token: str, job: bytes, tasks: list[Task]) -> list[RunResult]:
     """On a worker: run some points; simulations stay warm for the next chunk of the same sweep."""
     global _runner  # noqa: PLW0603 - one of each process
     with _lock:
         if _runner is None or _runner[0] != token:
             if _runner is not None:
                 _runner[1].close()
-            _runner = token, PointRunner(job)
+            _runner = token, PointRunner(pickle.loads(job))
         return [_runner[1].run(task) for task in tasks]

@@ -13,7 +13,7 @@ from cosim.base.component import Causality, Cells, Component, Setup, Variable
 
 
 class Deadly(Component):
-    """Kills its process when ``ends`` is 1, sleeps for ten minutes when it is 2."""
+    """Kills its process when ``ends`` is 1 or its gain is ``deadly``; sleeps when it is 2."""
 
     @property
     def variables(self) -> Sequence[Variable]:
@@ -21,12 +21,15 @@ class Deadly(Component):
             Variable(name="value", causality=Causality.OUTPUT, unit="1"),
             Variable(name="gain", causality=Causality.PARAMETER, start=1.0, unit="1"),
             Variable(name="ends", causality=Causality.PARAMETER, start=0.0, unit="1"),
+            Variable(name="deadly", causality=Causality.PARAMETER, start=0.0, unit="1"),
         ]
 
     def initialise(
         self, setup: Setup, inputs: Mapping[str, Cells], outputs: Mapping[str, Cells]
     ) -> None:
         self._gain, self._ends = setup.parameters["gain"], setup.parameters["ends"]
+        if self._gain == setup.parameters["deadly"]:
+            self._ends = 1
         self._seed, self._value = setup.seed, outputs["value"]
         counted = os.environ.get("COUNT_RUNS")
         if counted:
