@@ -60,13 +60,28 @@ static const char *environment_set_up(const Variables *v, World *world, WorldSta
         };
     }
     world->soft = v->environment == ENVIRONMENT_MASS_SPRING;
-    world->lattice = (Lattice){0.5 * v->side, v->mass / LATTICE_NODES, v->soft_stiffness,
-                               v->soft_damping, v->ground_friction * v->gravity};
-    const double reach = v->sample_period * v->sample_period * v->soft_stiffness
-                         + 2.0 * v->sample_period * v->soft_damping;
-    if (world->soft && LATTICE_OUTLINE * reach > 4.0 * world->lattice.node_mass)
-        return "soft_stiffness or soft_damping is too large for mass and sample_period: the object's "
-               "own vibration would be unstable. Lower them, or step faster.";
+    world->lattice = (Lattice){.spacing = 0.5 * v->side,
+                               .stiffness = v->soft_stiffness,
+                               .damping = v->soft_damping,
+                               .ground_friction = v->ground_friction * v->gravity};
+    if (!lattice_weigh(&world->lattice, v->mass, v->inertia) && world->soft)
+        return report_format(r, "inertia is %g kg.m2, and a soft square of this mass and side has less "
+                                "than three eighths of mass times side squared, %g kg.m2.",
+                             v->inertia, 0.375 * v->mass * v->side * v->side);
+    if (world->soft && !lattice_is_stable(&world->lattice, 0.0, 0.0, v->sample_period))
+        return "soft_stiffness or soft_damping is too large for mass, inertia and sample_period: the "
+               "object's own vibration would be unstable. Lower them, or step faster.";
+    for (int w = 0; w < WALLS; w++) {
+        const Surface *on = &world->wall[w].surface;
+        if (!world->soft || !world->wall[w].enabled) continue;
+        if (!lattice_is_stable(&world->lattice, on->normal_stiffness, on->normal_damping,
+                               v->sample_period)
+            || !lattice_is_stable(&world->lattice, on->tangential_stiffness,
+                                  on->tangential_damping, v->sample_period))
+            return report_format(r, "wall_%d is too stiff or damps too much for the %g kg of a soft "
+                                    "square's corner. Lower its stiffness or damping, or step faster.",
+                                 w + 1, world->lattice.outer);
+    }
     world_place(world, state,
                 (Planar){v->initial_box_pose.x, v->initial_box_pose.y, v->initial_box_pose.theta});
     return NULL;

@@ -10,6 +10,32 @@ static Vector rest_arm(const Lattice *lattice, int node)
                     lattice->spacing * (node / LATTICE_WIDTH - 1)};
 }
 
+static double mass_of(const Lattice *lattice, int node)
+{
+    return node == LATTICE_NODES / 2 ? lattice->middle : lattice->outer;
+}
+
+static double whole_mass(const Lattice *lattice)
+{
+    return LATTICE_OUTLINE * lattice->outer + lattice->middle;
+}
+
+bool lattice_weigh(Lattice *lattice, double mass, double inertia)
+{
+    lattice->outer = inertia / (12.0 * lattice->spacing * lattice->spacing);
+    lattice->middle = mass - LATTICE_OUTLINE * lattice->outer;
+    return lattice->middle > 0.0;
+}
+
+/* A spring holds both its nodes at most as if each were held alone, twice as stiffly: the directions of a
+ * corner's three springs add up to 2, of an edge's five to 3, of the middle's eight to 4. */
+bool lattice_is_stable(const Lattice *lattice, double stiffness, double damping, double period)
+{
+    const double own = period * period * lattice->stiffness + 2.0 * period * lattice->damping;
+    const double outside = period * period * stiffness + 2.0 * period * damping;
+    return 6.0 * own + outside <= 4.0 * lattice->outer && 8.0 * own <= 4.0 * lattice->middle;
+}
+
 LatticeState lattice_at(const Lattice *lattice, Planar pose)
 {
     LatticeState state = {0};
@@ -23,20 +49,23 @@ LatticeState lattice_at(const Lattice *lattice, Planar pose)
 BoxState lattice_mean(const Lattice *lattice, const LatticeState *state)
 {
     BoxState mean = {0};
+    const double whole = whole_mass(lattice);
     for (int i = 0; i < LATTICE_NODES; i++) {
-        mean.pose.x += state->position[i].x / LATTICE_NODES;
-        mean.pose.y += state->position[i].y / LATTICE_NODES;
-        mean.velocity.x += state->velocity[i].x / LATTICE_NODES;
-        mean.velocity.y += state->velocity[i].y / LATTICE_NODES;
+        const double share = mass_of(lattice, i) / whole;
+        mean.pose.x += share * state->position[i].x;
+        mean.pose.y += share * state->position[i].y;
+        mean.velocity.x += share * state->velocity[i].x;
+        mean.velocity.y += share * state->velocity[i].y;
     }
     double along = 0.0, across = 0.0, inertia = 0.0, momentum = 0.0;
     for (int i = 0; i < LATTICE_NODES; i++) {
+        const double mass = mass_of(lattice, i);
         const Vector rest = rest_arm(lattice, i);
         const Vector arm = minus(state->position[i], (Vector){mean.pose.x, mean.pose.y});
-        along += dot(rest, arm);
-        across += cross(rest, arm);
-        inertia += dot(arm, arm);
-        momentum += cross(arm, state->velocity[i]);
+        along += mass * dot(rest, arm);
+        across += mass * cross(rest, arm);
+        inertia += mass * dot(arm, arm);
+        momentum += mass * cross(arm, state->velocity[i]);
     }
     mean.pose.theta = atan2(across, along);
     mean.velocity.theta = inertia > 0.0 ? momentum / inertia : 0.0;
@@ -99,19 +128,20 @@ void lattice_push(const LatticeGrip *grip, Vector force, Vector nodes[LATTICE_NO
     nodes[grip->second] = plus(nodes[grip->second], times(grip->share, force));
 }
 
-void lattice_spread(const LatticeState *state, Planar centre, Planar wrench,
+void lattice_spread(const Lattice *lattice, const LatticeState *state, Planar centre, Planar wrench,
                     Vector nodes[LATTICE_NODES])
 {
     Vector arm[LATTICE_NODES];
+    const double whole = whole_mass(lattice);
     double inertia = 0.0;
     for (int i = 0; i < LATTICE_NODES; i++) {
         arm[i] = minus(state->position[i], (Vector){centre.x, centre.y});
-        inertia += dot(arm[i], arm[i]);
+        inertia += mass_of(lattice, i) * dot(arm[i], arm[i]);
     }
-    const double turning = wrench.theta / inertia;
+    const Vector pushed = {wrench.x / whole, wrench.y / whole};
     for (int i = 0; i < LATTICE_NODES; i++) {
-        const Vector push = {wrench.x / LATTICE_NODES, wrench.y / LATTICE_NODES};
-        nodes[i] = plus(nodes[i], plus(push, times(turning, left_of(arm[i]))));
+        const Vector faster = plus(pushed, times(wrench.theta / inertia, left_of(arm[i])));
+        nodes[i] = plus(nodes[i], times(mass_of(lattice, i), faster));
     }
 }
 
@@ -148,7 +178,7 @@ void lattice_step(const Lattice *lattice, LatticeState *state, const Vector oute
     const double lost = period * lattice->ground_friction;
     for (int i = 0; i < LATTICE_NODES; i++) {
         const Vector after =
-            plus(state->velocity[i], times(period / lattice->node_mass, force[i]));
+            plus(state->velocity[i], times(period / mass_of(lattice, i), force[i]));
         const double speed = size_of(after);
         state->velocity[i] = times(speed > lost ? 1.0 - lost / speed : 0.0, after);
         state->position[i] = plus(state->position[i], times(period, state->velocity[i]));

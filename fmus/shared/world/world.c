@@ -165,7 +165,7 @@ static void peers(const World *world, const WorldState *state, const WorldInput 
         const Planar pull = coupling_wrench(&world->coupling, &state->box, &peer->box);
         const Planar felt = {peer->weight * pull.x, peer->weight * pull.y,
                              peer->weight * pull.theta};
-        if (world->soft) lattice_spread(&state->lattice, state->box.pose, felt, forces->node);
+        if (world->soft) lattice_spread(&world->lattice, &state->lattice, state->box.pose, felt, forces->node);
         forces->from_peers = planar_sum(forces->from_peers, felt);
         const Planar reaction = {-felt.x, -felt.y, -felt.theta};
         forces->coupling_port[p] =
@@ -188,7 +188,7 @@ void world_forces(const World *world, const WorldState *state, const WorldInput 
     const Planar compensation = {-world->compensation.x * box->velocity.x,
                                  -world->compensation.y * box->velocity.y,
                                  -world->compensation.theta * box->velocity.theta};
-    if (world->soft) lattice_spread(&state->lattice, box->pose, compensation, forces->node);
+    if (world->soft) lattice_spread(&world->lattice, &state->lattice, box->pose, compensation, forces->node);
     forces->total = planar_sum(planar_sum(forces->from_own, forces->from_peers),
                                planar_sum(forces->from_walls, compensation));
 }

@@ -11,6 +11,9 @@ import pytest
 from tests.support.physics.planar_oracle import Array, Bench, T
 
 MASS, SIDE, STIFFNESS, DAMPING = 0.4, 0.1, 800.0, 0.5
+INERTIA = 6.7e-4
+OUTER = INERTIA / (3 * SIDE**2)
+MASSES = np.array([*[OUTER] * 4, MASS - 8 * OUTER, *[OUTER] * 4])
 FREE = {"environment": 1, "ground_friction": 0.0, "peers": 0}
 
 
@@ -53,10 +56,10 @@ def test_a_finger_on_a_node_drives_the_lattice_as_an_independent_one() -> None:
     for tick in range(300):
         bench.put((0.0, 0.05 - min(1e-4 * tick, 0.006)))
         force = bench["finger_1.force"]
-        np.testing.assert_allclose(nodes(bench), x, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(nodes(bench), x, rtol=0, atol=1e-10)
         total = spring_forces(x, v)
         total[7] -= force
-        v = v + T * total / (MASS / 9)
+        v = v + T * total / MASSES[:, None]
         x = x + T * v
         thinnest = min(thinnest, float(np.linalg.norm(x[7] - x[1])))
         bench.step()
@@ -98,7 +101,7 @@ def test_momentum_is_what_the_fingers_gave() -> None:
     velocity = np.array([bench["box_velocity.x"], bench["box_velocity.y"]])
     np.testing.assert_allclose(MASS * velocity, impulse, rtol=0, atol=1e-12)
     np.testing.assert_allclose(
-        bench.planar("box_pose")[:2], nodes(bench).mean(axis=0), rtol=0, atol=1e-15
+        bench.planar("box_pose")[:2], MASSES @ nodes(bench) / MASS, rtol=0, atol=1e-15
     )
     assert np.ptp(positions[:, 7, 1]) > 1e-3
 
@@ -165,8 +168,50 @@ def test_copies_are_pulled_together_as_wholes() -> None:
     np.testing.assert_allclose(bench.planar("box_pose"), [0.02, 0.0, 0.3], rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize("inertia", [6.7e-4, 4e-4, 1.2e-3])
+def test_a_wrench_moves_it_with_the_stated_mass_and_inertia(inertia: float) -> None:
+    """As a whole, without a dent: exactly m and J in the first tick, the box's motion after 20."""
+    coupling = {
+        "coupling_stiffness": 30.0,
+        "coupling_rotational_stiffness": 2.2,
+        "ground_friction": 0.0,
+        "ground_rotational_friction": 0.0,
+        "inertia": inertia,
+        "integration": 0,
+    }
+    soft, rigid = (
+        Bench("distributed_workstation", [(0.5, 0.5)], environment=kind, **coupling)
+        for kind in (1, 0)
+    )
+    for bench in (soft, rigid):
+        bench.put((0.5, 0.5))
+        for name, value in {"source_tick": 0, "box_x": 0.02, "box_theta": 1e-3}.items():
+            bench[f"peer_1.{name}"] = value
+    acted = soft.planar("coupling_wrench")
+    soft.step()
+    rigid.step()
+    expected = T * acted / [MASS, MASS, inertia]
+    np.testing.assert_allclose(soft.planar("box_velocity"), expected, rtol=1e-9, atol=1e-15)
+    for _ in range(20):
+        soft.step()
+        rigid.step()
+    moved = rigid.planar("box_pose")
+    assert moved[2] > 1e-5
+    np.testing.assert_allclose(soft.planar("box_pose"), moved, rtol=2e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize("inertia", [1.51e-3, 3e-3])
+def test_an_inertia_that_no_square_has_is_refused(inertia: float) -> None:
+    with pytest.raises(Exception, match="three eighths"):
+        Bench("distributed_workstation", [(0.5, 0.5)], environment=1, inertia=inertia)
+
+
 def test_walls_hold_the_outline() -> None:
-    wall = {"wall_1.enabled": True, "wall_1.point_y": -0.05}
+    wall = {
+        "wall_1.enabled": True,
+        "wall_1.point_y": -0.05,
+        "wall_1.tangential_damping": 30.0,
+    }
     bench = Bench("distributed_workstation", [(0.0, 0.05)], environment=1, peers=0, **wall)
     for tick in range(2500):
         bench.put((0.0, 0.05 - min(1e-5 * tick, 0.006)))
@@ -175,6 +220,20 @@ def test_walls_hold_the_outline() -> None:
     assert pushed > 0.5
     assert bench["wall_wrench.y"] == pytest.approx(pushed, abs=0.05 * MASS * 9.81)
     assert bench["wall_penetration"] < 3e-4
+
+
+@pytest.mark.parametrize(
+    "name", ["normal_damping", "tangential_damping", "normal_stiffness", "tangential_stiffness"]
+)
+def test_a_wall_that_shakes_a_corner_is_refused(name: str) -> None:
+    """Explicit dampers on 22 g: what the rigid box stands, its corner does not."""
+    values = {"wall_2.tangential_damping": 30.0, f"wall_2.{name}": 60.0}
+    if "stiffness" in name:
+        values[f"wall_2.{name}"] = 5e4
+    wall = {"wall_2.enabled": True, **values}
+    Bench("distributed_workstation", [(0.5, 0.5)], environment=0, **wall)
+    with pytest.raises(Exception, match="wall_2 is too stiff"):
+        Bench("distributed_workstation", [(0.5, 0.5)], environment=1, **wall)
 
 
 def test_an_unstable_lattice_is_refused() -> None:
