@@ -156,7 +156,7 @@ def run_scenario(
         leave = _Leaver()
         leave(lambda: write_manifest(folder, manifest))
         if outcome.said:
-            leave(lambda: _write_log(folder / LOG_FILE, outcome))
+            leave(lambda: write_log(folder / LOG_FILE, outcome.said))
         scene = describe_scene(simulation.assembly, simulation.groups)
         drawings = Drawings(
             figure,
@@ -276,7 +276,7 @@ def _message(outcome: Outcome, error: CohapticError | None, scenario: Scenario) 
     return f"{outcome.ended_by}, where the run ended." if outcome.ended_by else ""
 
 
-def _write_log(path: Path, outcome: Outcome) -> None:
+def write_log(path: Path, said: Mapping[str, Sequence[object]]) -> None:
     """What FMUs logged as a warning or worse, each text once with its count."""
-    lines = [f"{name}: {each}\n" for name, said in outcome.said.items() for each in said]
+    lines = [f"{name}: {each}\n" for name, texts in said.items() for each in texts]
     path.write_text("".join(lines), encoding="utf-8")

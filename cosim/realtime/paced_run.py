@@ -153,7 +153,8 @@ class PacedRun:
         if report is not None and report.outcome is not None:
             simulation.outcome = report.outcome
         else:
-            simulation.outcome = replace(simulation.outcome, ticks=self._reached)
+            said = simulation.whereabouts.said(simulation.scenario)
+            simulation.outcome = replace(simulation.outcome, ticks=self._reached, said=said)
         error = report.error if report is not None else None
         sentences = [str(error)] if error is not None else self._ended(simulation, killed)
         unsure = run.unsure()

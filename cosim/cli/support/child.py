@@ -29,7 +29,7 @@ from cosim.record.reader import RUN_FILE, open_run
 from cosim.record.rewriting.compact import compact
 from cosim.report.expectation import parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
-from cosim.run import Execute, Finished, run_scenario
+from cosim.run import LOG_FILE, Execute, Finished, run_scenario, write_log
 from cosim.scenario import Scenario
 
 _HEARD = {signal.SIGINT, signal.SIGTERM}
@@ -238,12 +238,19 @@ class _Post:
             self._heard = (self._heard + 1) % 256
 
 
+def _keep_logs(folder: Path, whereabouts: Whereabouts, scenario: Scenario) -> None:
+    """What FMUs had logged when their process died, where the run has not written it itself."""
+    said = whereabouts.said(scenario)
+    if said and not (folder / LOG_FILE).exists():
+        write_log(folder / LOG_FILE, said)
+
+
 def _judge(told: _Told, status: int, whereabouts: Whereabouts, scenario: Scenario) -> Finished:
     content = told.content
     if "error" in content:
         if "finished" in content:  # an isolated FMU whose process died when it was closed
             sentence = f"{content['error']}; {COMPLETE}."
-            return _finish_for(content["begun"], scenario, sentence, whereabouts.kernel.tick)
+            return _finish_for(content["begun"], scenario, sentence, whereabouts)
         raise content["error"]
     if "interrupted" in content:
         raise KeyboardInterrupt
@@ -255,20 +262,24 @@ def _judge(told: _Told, status: int, whereabouts: Whereabouts, scenario: Scenari
     if "begun" not in content:
         raise RunError(f"{sentence}; {NOTHING}.")
     kept = COMPLETE if "finished" in content else KEPT
-    return _finish_for(content["begun"], scenario, f"{sentence}; {kept}.", whereabouts.kernel.tick)
+    return _finish_for(content["begun"], scenario, f"{sentence}; {kept}.", whereabouts)
 
 
-def _finish_for(folder: Path, scenario: Scenario, message: str, ticks: int) -> Finished:
+def _finish_for(
+    folder: Path, scenario: Scenario, message: str, whereabouts: Whereabouts
+) -> Finished:
     """Finish the record in ``folder`` of a run whose process has died, and say so in it.
 
     What was flushed before is there; what had been finished stays, but the run has failed.
     """
     with suppress(OSError):
         compact(folder / RUN_FILE)
+    with suppress(OSError):
+        _keep_logs(folder, whereabouts, scenario)
     with open_run(folder) as run:
         manifest = dict(run.manifest)
         if manifest.get("exit") is None:
-            conclude(manifest, status=1, message=message, ticks=ticks)
+            conclude(manifest, status=1, message=message, ticks=whereabouts.kernel.tick)
         else:
             manifest["exit"] = {**manifest["exit"], "status": 1, "message": message}
         write_manifest(folder, manifest)

@@ -17,7 +17,7 @@ from cosim.master.fmu.loaded.residence import Residence
 from cosim.master.fmu.loaded.states import States
 from cosim.master.fmu.loaded.texts import TextCalls
 from cosim.master.fmu.loaded.values import GivenValues
-from cosim.master.fmu.log import Said
+from cosim.master.fmu.log import Log, Said
 from cosim.master.kernel.fmu_structures import RestartStruct
 
 
@@ -36,6 +36,7 @@ class Fmu:
         substeps: int,
         is_trusted: bool = False,
         is_isolated: bool = False,
+        log: Log | None = None,
         calling: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.component = component
@@ -49,6 +50,7 @@ class Fmu:
             description,
             is_trusted=is_trusted,
             is_isolated=is_isolated,
+            log=log or Log(),
             calling=calling,
         )
         self._conduct = Conduct(component, self._residence)
@@ -100,6 +102,10 @@ class Fmu:
     def messages(self) -> list[str]:
         """What the FMU gave as a reason, oldest first, each text once."""
         return self._conduct.messages()
+
+    def reason(self) -> str:
+        """What it gave as a reason, as the end of a sentence; or nothing."""
+        return self._conduct.reasons()
 
     def said(self) -> tuple[Said, ...]:
         """What the FMU logged as a warning or worse, and what it changed outside of itself."""

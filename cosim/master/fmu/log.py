@@ -17,6 +17,8 @@ _SERIOUS = 2
 """The least status (discard) that is a reason."""
 
 
+LOG_BYTES = -(-(ctypes.sizeof(LogStruct) + 2 * _BYTES) // 64) * 64
+"""What a log takes of memory that is given to it."""
 STATUS_NAMES = ("ok", "warning", "discard", "error", "fatal", "pending")
 
 
@@ -82,6 +84,11 @@ class Log:
         return _reasons(*self._what_was_said()) or _reasons(
             _lines(stray.text, stray.used), _lines(stray.grave, stray.grave_used)
         )
+
+    def reason(self) -> str:
+        """The end of a sentence about the FMU: ``; it said: ...``, or nothing."""
+        found = self.reasons()
+        return f"; it said: {' / '.join(found)}" if found else ""
 
     def said(self) -> tuple[Said, ...]:
         """All that was not well among the last that was said, each text once."""

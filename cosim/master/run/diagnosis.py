@@ -38,16 +38,14 @@ def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> C
     component = str(action.unit)
     when = moment(program)
     fmu = fmus.get(component)
-    said = fmu.messages() if fmu is not None else []
-    chatted = f"; it said: {' / '.join(said)}" if said else ""
+    chatted = fmu.reason() if fmu is not None else ""
     logged = chatted or "; it logged nothing"
     at_event = AT_EVENTS.get(EventCall(kernel.event_call)) if action.act is Act.STEP else None
     if outcome is KernelOutcome.STATUS:
         number = int(kernel.status)
         if number == GONE and fmu is not None:
-            return RunError(
-                f"{component} {fmu.manner_of_ending()} {at_event or _IN[action.act]} at {when}"
-            )
+            place = at_event or _IN[action.act]
+            return RunError(f"{component} {fmu.manner_of_ending()} {place} at {when}{chatted}")
         known = 0 <= number < len(STATUS_NAMES)
         status = STATUS_NAMES[number] if known else str(number)
         if status == "discard" and fmu is not None and fmu.asks_to_end():

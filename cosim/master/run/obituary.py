@@ -24,7 +24,8 @@ def obituary(
     component, doing = whereabouts.sentence(scenario)
     if left is not None:
         return f"{component or 'the run'} left the process (SystemExit: {left}) {doing}"
+    reason = whereabouts.log(component, scenario).reason()
     if -status == signal.SIGKILL:
         at = f"{component} was at work {doing}" if component else doing
         return f"the run's process was killed from outside (SIGKILL) while {at}"
-    return f"{component or 'the run'} {manner(status)} {doing}"
+    return f"{component or 'the run'} {manner(status)} {doing}{reason}"

@@ -6,6 +6,7 @@ import ctypes
 import mmap
 from typing import Any
 
+from cosim.master.fmu.log import LOG_BYTES, Log, Said
 from cosim.master.kernel.codes import EventCall, OperationKind
 from cosim.master.kernel.structures import KernelStruct
 from cosim.scenario import Kind as ComponentKind
@@ -14,9 +15,11 @@ from cosim.scenario import Scenario
 _NOTE_BYTES = 1024
 _HEARD = _NOTE_BYTES - 1
 """The byte that counts interrupts; a note ends before it."""
-SPAN = -(-(_NOTE_BYTES + ctypes.sizeof(KernelStruct)) // mmap.ALLOCATIONGRANULARITY) * (
-    mmap.ALLOCATIONGRANULARITY
-)
+LOGS = 16
+"""FMUs of somebody else whose logs can be read when the process has died."""
+_STATE_BYTES = -(-(_NOTE_BYTES + ctypes.sizeof(KernelStruct)) // 64) * 64
+_GRAIN = mmap.ALLOCATIONGRANULARITY
+SPAN = -(-(_STATE_BYTES + LOGS * LOG_BYTES) // _GRAIN) * _GRAIN
 """Bytes that one takes of a file."""
 _KERNEL_DID = {
     OperationKind.SET: "while its inputs were set",
@@ -51,6 +54,8 @@ class Whereabouts:
 
     def __init__(self, file: int = -1, number: int = 0) -> None:
         self._memory = mmap.mmap(file, SPAN, offset=number * SPAN)
+        self._logs = memoryview(self._memory)[_STATE_BYTES:]
+        self._foreign: tuple[Scenario | None, dict[str, int]] = (None, {})
         self.kernel: Any = KernelStruct.from_buffer(self._memory, _NOTE_BYTES)
 
     def note(self, component: str, call: str) -> None:
@@ -67,7 +72,7 @@ class Whereabouts:
 
     def forget(self) -> None:
         """Be as new, for another run; the last one's kernel has ended."""
-        self._memory[:] = bytes(SPAN)
+        self._memory[:_STATE_BYTES] = bytes(_STATE_BYTES)
 
     def hear(self) -> None:
         """Count an interrupt that the run has heard."""
@@ -77,6 +82,19 @@ class Whereabouts:
     def heard(self) -> int:
         """How many interrupts the run has heard (modulo 256)."""
         return self._memory[_HEARD]
+
+    def log(self, component: str, scenario: Scenario) -> Log:
+        """Where an FMU's messages go: those of the first of somebody else's outlive the process."""
+        if self._foreign[0] is not scenario:
+            self._foreign = scenario, _foreign(scenario)
+        number = self._foreign[1].get(component, LOGS)
+        begin = number * LOG_BYTES
+        return Log(self._logs[begin : begin + LOG_BYTES] if number < LOGS else None)
+
+    def said(self, scenario: Scenario) -> dict[str, tuple[Said, ...]]:
+        """What is in the logs that outlive the process, by component."""
+        logs = {name: self.log(name, scenario) for name in list(_foreign(scenario))[:LOGS]}
+        return {name: found for name, log in logs.items() if (found := log.said())}
 
     def sentence(self, scenario: Scenario) -> tuple[str, str]:
         """Which component was at work, or nobody, and in what: ``in its step at tick 5 (0.005 s)``.
@@ -100,3 +118,10 @@ class Whereabouts:
             when = when if self.kernel.running else "at initialisation"
             return names[int(self.kernel.owner)], f"{did} {when}"
         return "", when if tick else "before the first tick"
+
+
+def _foreign(scenario: Scenario) -> dict[str, int]:
+    """The FMUs of somebody else, with their numbers."""
+    parts = sorted(scenario.components.items())
+    names = [n for n, part in parts if part.kind is ComponentKind.FMU and not part.is_bundled]
+    return {name: number for number, name in enumerate(names)}

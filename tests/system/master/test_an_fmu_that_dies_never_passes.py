@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from cosim.record.reader import open_run
 from tests.support.fmus.dying import (
     CASES,
     SPARED,
@@ -46,6 +47,62 @@ def test_every_way_of_dying_has_its_sentence(tmp_path: Path, way: str) -> None:
     assert done.returncode == 1
     assert f"box {said} in its step at tick 3 (3 s); what was written" in done.stderr
     record_is_right(tmp_path, "kept", done.stderr)
+
+
+SAYS = 'say(m, 3, "the licence has expired"), '
+
+
+@pytest.mark.parametrize("call", ["Instantiate", "DoStep"])
+@pytest.mark.parametrize("keys", ["", ", isolate: process"])
+@pytest.mark.parametrize("options", [(), ("--realtime",)])
+def test_what_it_had_said_is_in_the_sentence_and_in_the_log(
+    tmp_path: Path, call: str, keys: str, options: tuple[str, ...]
+) -> None:
+    rate = PACED if options else 1
+    fmu = dying(tmp_path, 3, call, SAYS + "abort()", rate)
+    done = ended(tmp_path, fmu, *options, rate=rate, keys=keys)
+    assert done.returncode == 1
+    said = f"box crashed (SIGABRT: aborted) {sentence(call, 3, rate)[0].partition(';')[0]}"
+    assert f"{said}; it said: the licence has expired" in done.stderr
+    log = tmp_path / "out" / "fmu.log"
+    if call == "DoStep":
+        assert log.read_text() == "box: error: the licence has expired\n"
+
+
+def test_the_record_has_what_was_flushed(tmp_path: Path) -> None:
+    """Twice a second; the FMU dies after one second and a bit, in steps of 10 ms."""
+    rate, dies = 100, 130
+    variables = scalar(3, "y", 1, causality="output")
+    snippet = f"""
+        void _exit(int); int usleep(unsigned);
+        static int hook(Foreign *m, const char *call)
+        {{
+            if (is(call, "DoStep")) {{
+                usleep(10000);
+                m->real[1] = m->last;
+                if (m->time > {(dies - 0.5) / rate})
+                    _exit(0);
+            }}
+            return 0;
+        }}
+        #define HOOK hook
+    """
+    output = '<Output valueReference="1" dependencies=""/>'
+    fmu = foreign_fmu(tmp_path, 3, variables, snippet=snippet, structure=output)
+    run = command(tmp_path, fmu)
+    (tmp_path / "test.yaml").write_text(
+        f"cohaptic: 1\nduration: 9\nbase_rate: {rate}\n"
+        f"components: {{box: {{fmu: {fmu}, rate: {rate}}}}}\nrecord: [box.y]\n"
+    )
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert f"box ended the process (exit status 0) in its step at tick {dies} (1.3 s); " in (
+        done.stderr
+    )
+    with open_run(tmp_path / "out") as kept:
+        rows = kept["box.y"].values
+        assert 1 < len(rows) <= dies + 1
+        assert rows.tolist() == [tick / rate for tick in range(len(rows))]
 
 
 PACED = 100

@@ -28,6 +28,7 @@ FAILS = """
     static int failed;
     static int hook(Foreign *m, const char *call)
     {
+        m->event = true; /* after every step */
         note(m, failed ? call : "-");
         if (is(call, "%(call)s") && m == instances_begin()) {
             failed = 1;
@@ -39,38 +40,76 @@ FAILS = """
 """
 
 
-def calls_after(folder: Path, version: int, call: str, status: int) -> list[str]:
+def calls_after(folder: Path, version: int, call: str, status: int, keys: str = "") -> list[str]:
     """What was called after ``call`` of the first of two instances had returned ``status``."""
     log = folder / "calls"
+    kind = {2: "Real", 3: "Float64"}[version]
+    event_mode = call.endswith(("States", "EventMode", "StepMode"))
+    output = {
+        2: '<Outputs><Unknown index="2" dependencies=""/></Outputs>',
+        3: '<Output valueReference="2" dependencies=""/>',
+    }[version]
     snippet = "static Foreign *instances_begin(void);" + FAILS % {
         "file": log,
-        "call": call,
+        "call": {"Set": f"Set{kind}", "Get": f"Get{kind}"}.get(call, call),
         "status": status,
     }
     fmu = foreign_fmu(
-        folder, version, scalar(version, "u", 1, causality="input", start="0"), snippet=snippet
+        folder,
+        version,
+        scalar(version, "u", 1, causality="input", start="0")
+        + scalar(version, "y", 2, causality="output"),
+        snippet=snippet,
+        structure=output,
+        interface={"hasEventMode": "true"} if event_mode else {},
     )
+    more = f"rate: 1, start: {{u: 1}}{keys}" + ", event_mode: true" * event_mode
     written = (
-        f"duration: 4\nbase_rate: 1\ncomponents:\n  a: {{fmu: {fmu}, rate: 1}}\n"
-        f"  b: {{fmu: {fmu}, rate: 1}}\n"
+        f"duration: 4\nbase_rate: 1\ncomponents:\n  a: {{fmu: {fmu}, {more}}}\n"
+        f"  b: {{fmu: {fmu}, {more}}}\n"
     )
     with pytest.raises(CohapticError), assemble(scenario_of(folder, written)) as simulation:
         simulation.run()
     return [line for line in log.read_text().splitlines() if not line.endswith("-")]
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("call", ["EnterInitializationMode", "ExitInitializationMode", "DoStep"])
+CALLS = [
+    "SetupExperiment",
+    "Set",
+    "Get",
+    "EnterInitializationMode",
+    "ExitInitializationMode",
+    "DoStep",
+    "UpdateDiscreteStates",
+    "EnterEventMode",
+    "EnterStepMode",
+]
+CASES = [
+    (version, call)
+    for version in (2, 3)
+    for call in CALLS
+    if version == 3 or not call.endswith(("States", "EventMode", "StepMode"))
+    if version == 2 or call != "SetupExperiment"
+]
+BEFORE_THE_OTHER = {"Set"}
+"""Values are set as soon as an instance is there, before the next one is made."""
+
+
+@pytest.mark.parametrize("keys", ["", ", isolate: process"])
+@pytest.mark.parametrize(("version", "call"), CASES)
 def test_fatal_is_the_end_of_the_instance_and_frees_the_others(
+    tmp_path: Path, version: int, call: str, keys: str
+) -> None:
+    others = [] if call in BEFORE_THE_OTHER else ["other FreeInstance"]
+    if keys:  # a library of its own, where each is the first instance
+        others = []
+    assert calls_after(tmp_path, version, call, 4, keys) == others
+
+
+@pytest.mark.parametrize(("version", "call"), CASES)
+def test_an_error_leaves_freeing_and_concerns_nobody_else(
     tmp_path: Path, version: int, call: str
 ) -> None:
-    assert calls_after(tmp_path, version, call, 4) == ["other FreeInstance"]
-
-
-@pytest.mark.parametrize("version", [2, 3])
-def test_an_error_leaves_freeing_and_concerns_nobody_else(tmp_path: Path, version: int) -> None:
-    assert calls_after(tmp_path, version, "DoStep", 3) == [
-        "first FreeInstance",
-        "other Terminate",
-        "other FreeInstance",
-    ]
+    after = [each for each in calls_after(tmp_path, version, call, 3) if "Terminate" not in each]
+    others = [] if call in BEFORE_THE_OTHER else ["other FreeInstance"]
+    assert after == ["first FreeInstance", *others]

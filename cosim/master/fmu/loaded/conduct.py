@@ -53,8 +53,7 @@ class Conduct:
 
     def reasons(self) -> str:
         """What it gave as a reason, as the end of a sentence; empty where there is nothing."""
-        messages = self.messages()
-        return f"; it said: {' / '.join(messages)}" if messages else ""
+        return self._residence.log.reason()
 
     def messages(self) -> list[str]:
         """What it gave as a reason, oldest first, each text once."""

@@ -31,13 +31,14 @@ class Residence:
         *,
         is_trusted: bool,
         is_isolated: bool,
+        log: Log,
         calling: Callable[[str], None],
     ) -> None:
         self.is_isolated = is_isolated
         """Whether it lives in a process of its own."""
         self.library = find_binary(description)
         """The file that all instances of this FMU share."""
-        self.log = Log()
+        self.log = log
         self.binding: Binding | None = None
         """What calls its functions, while it is loaded."""
         self.process: Isolated | None = None

@@ -135,7 +135,8 @@ class RunningFmus:
         except ProcessEnded as ended:
             component, doing = self._whereabouts.sentence(self.assembly.scenario)
             self.all[component].judge(GONE)
-            raise RunError(f"{component} {ended.manner} {doing}") from None
+            reason = self.all[component].reason()
+            raise RunError(f"{component} {ended.manner} {doing}{reason}") from None
         finally:
             for what in before.put_back() if before is not None else ():
                 for fmu in foreign:
@@ -183,6 +184,7 @@ class RunningFmus:
                     substeps=participant.substeps,
                     is_trusted=scenario.components[name].is_bundled,
                     is_isolated=participant.is_isolated,
+                    log=self._whereabouts.log(name, scenario),
                     calling=partial(self._whereabouts.note, name),
                 )
             fmu = self.all[name]
