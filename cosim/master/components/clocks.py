@@ -19,6 +19,8 @@ MOST_CLOCKS = 62
 """Of one FMU: a bit each in one of the kernel's words."""
 _VARIABILITIES = ("constant", "fixed", "tunable", "changing", "countdown", "triggered")
 _PERIODIC = ("constant", "fixed", "tunable")
+_CHOSEN = ("fixed", "tunable")
+"""Their interval is the importer's to set, where the description has one (``intervalDecimal``)."""
 _TIMES = ("resolution", "intervalCounter", "intervalDecimal", "shiftCounter", "shiftDecimal")
 
 
@@ -70,6 +72,17 @@ class EventFacts:
     def triggered(self) -> frozenset[str]:
         """The clocks that the FMU, too, has for others to see or to let tick."""
         return frozenset(clock.name for clock in self.clocks if clock.variability == "triggered")
+
+    def chosen_intervals(self) -> dict[str, float]:
+        """The interval (s) of each clock whose interval is the importer's to choose.
+
+        It is what the description proposes.
+        """
+        return {
+            clock.name: float(clock.interval)
+            for clock in self.clocks
+            if clock.variability in _CHOSEN and clock.interval is not None
+        }
 
     def is_event_input(self, variable: Variable) -> bool:
         """Whether an input is set in event mode: when its clock ticks, or when it has changed."""

@@ -196,6 +196,10 @@ class Binding(Protocol):
         """Enter initialisation mode."""
         ...
 
+    def set_intervals(self, references: Sequence[int], intervals: Sequence[float]) -> int:
+        """Say at which intervals (s) clocks will tick that the importer has the choice of."""
+        ...
+
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
         ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache
 
@@ -124,6 +124,10 @@ class Fmi2(Bound):
     def enter_initialisation(self, start_time: float, stop_time: float) -> int:
         """Enter initialisation mode; ``set_up_experiment`` has told the times."""
         return self._call("EnterInitializationMode")
+
+    def set_intervals(self, references: Sequence[int], intervals: Sequence[float]) -> int:
+        """FMI 2.0 has no clocks."""
+        return OK
 
     def asks_to_end(self) -> bool:
         """Whether a step was discarded because the model has come to its end (section 4.2.1)."""

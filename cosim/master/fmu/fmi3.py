@@ -85,6 +85,7 @@ PROTOTYPES: dict[str, Prototype] = {
         c_int,
         (c_void_p, References, c_size_t, POINTER(c_double), POINTER(c_int)),
     ),
+    "fmi3SetIntervalDecimal": (c_int, (c_void_p, References, c_size_t, POINTER(c_double))),
     "fmi3GetShiftDecimal": (c_int, (c_void_p, References, c_size_t, POINTER(c_double))),
     "fmi3DoStep": (
         c_int,
@@ -198,6 +199,17 @@ class Fmi3(Bound):
         """Enter initialisation mode for a run from ``start_time`` to ``stop_time`` (s)."""
         times = (start_time, True, stop_time)
         return self._call("EnterInitializationMode", False, 0.0, *times)
+
+    def set_intervals(self, references: Sequence[int], intervals: Sequence[float]) -> int:
+        """Say at which intervals (s) clocks will tick that the importer has the choice of.
+
+        A library without the function cannot be told, and has what its description says.
+        """
+        if "fmi3SetIntervalDecimal" not in self._functions:
+            return OK
+        given = (c_double * len(intervals))(*intervals)
+        which = self.references(references)
+        return self._call("SetIntervalDecimal", which, len(references), given)
 
     def asks_to_end(self) -> bool:
         """FMI 3.0 says so with the step itself."""

@@ -245,6 +245,11 @@ class Fmu:
         self._conduct.check_start(
             "enter initialisation mode", self._bound.enter_initialisation(*times)
         )
+        events = self.description.events
+        if events is not None and (chosen := events.chosen_intervals()):
+            references = [self.reference(name) for name in chosen]
+            status = self._bound.set_intervals(references, list(chosen.values()))
+            self._conduct.check_start("take the intervals of its clocks", status)
 
     def exit_initialisation(self) -> None:
         """Leave initialisation mode, ready to step.

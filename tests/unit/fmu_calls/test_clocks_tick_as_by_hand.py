@@ -287,6 +287,95 @@ def test_whoever_cannot_be_followed_is_named(tmp_path: Path, body: str, said: st
         simulation.run(MemorySink())
 
 
+TOLD = """
+    static int initialising;
+    static int hook(Foreign *m, const char *call)
+    {{
+        if (is(call, "EnterInitializationMode") || is(call, "ExitInitializationMode"))
+            initialising = is(call, "EnterInitializationMode");
+        return 0;
+    }}
+    #define HOOK hook
+    EXPORT int fmi3SetIntervalDecimal(Foreign *m, const uint32_t *r, size_t n, const double *v)
+    {{
+        for (size_t i = 0; i < n; i++)
+            m->real[1] += initialising ? 1000 * r[i] + v[i] : 1e9;
+        return {status};
+    }}
+"""
+
+
+def chosen(folder: Path, status: int, keys: str = "") -> str:
+    """Clocks with an interval, of which the importer may choose two; ``y`` is what it was told."""
+    path = foreign_fmu(
+        folder,
+        3,
+        scalar(3, "y", 1, causality="output")
+        + clock("constant", 10, "constant", intervalDecimal="0.2")
+        + clock("fixed", 11, "fixed", intervalDecimal="0.5")
+        + clock("tunable", 12, "tunable", intervalDecimal="0.25"),
+        snippet=TOLD.format(status=status),
+        interface={"hasEventMode": "true"},
+        structure='<Output valueReference="1"/>',
+    )
+    text = f"duration: 1\nbase_rate: 20\ncomponents: {{it: {{fmu: {path}, rate: 20{keys}}}}}\n"
+    return scenario_of(folder, text)
+
+
+@pytest.mark.parametrize("keys", ["", ", isolate: process"])
+def test_an_interval_that_is_ours_to_choose_is_told_at_initialisation(
+    tmp_path: Path, keys: str
+) -> None:
+    """It is the one that the description proposes; that of a constant clock is nobody's choice."""
+    sink = MemorySink()
+    with assemble(chosen(tmp_path, 0, keys)) as simulation:
+        simulation.run(sink)
+    assert sink.signal("it.y")[0] == 11_000.5 + 12_000.25
+    assert sink.signal("it.tunable")[-1] == 4
+
+
+def test_an_interval_that_the_fmu_does_not_take_is_refused(tmp_path: Path) -> None:
+    with (
+        assemble(chosen(tmp_path, 3)) as simulation,
+        pytest.raises(InputError, match="the FMU refused to take the intervals of its clocks"),
+    ):
+        simulation.run(MemorySink())
+
+
+def test_a_triggered_clock_ticks_at_one_instant_of_an_event(tmp_path: Path) -> None:
+    """In the iterations that follow at the same time it rests; many counts are one tick."""
+    body = """
+        static int passes;
+        if (is(call, "EnterEventMode")) passes = 0;
+        if (is(call, "UpdateDiscreteStates")) {
+            m->whole[1] += m->ticks[10];
+            m->again = passes++ < 2 && m->time > 0;
+        }
+    """
+    path = foreign_fmu(
+        tmp_path,
+        3,
+        scalar(3, "n", 1, "Int32", causality="output") + clock("c", 10, "triggered"),
+        snippet=hooked(body),
+        interface={"hasEventMode": "true"},
+        structure='<Output valueReference="1"/>',
+    )
+    (tmp_path / "jumps.py").write_text(
+        "from cosim.base.component import *\nclass Jumps(Component):\n"
+        "    variables = (Variable(name='y', causality=Causality.OUTPUT, type=VariableType.INT64),)\n"
+        "    def initialise(self, setup, inputs, outputs): self.y = outputs['y']\n"
+        "    def evaluate(self, tick): self.y[0] = 3 * (tick // 2)\n"
+    )
+    sink = MemorySink()
+    text = (
+        f"duration: 0.8\nbase_rate: 10\ncomponents:\n  it: {{fmu: {path}, rate: 10}}\n"
+        "  by: {python: 'jumps:Jumps', rate: 10}\nconnections: [by.y -> it.c]\n"
+    )
+    with assemble(scenario_of(tmp_path, text)) as simulation:
+        simulation.run(sink)
+    assert sink.signal("it.n").tolist() == [0, 0, 0, 1, 1, 2, 2, 3]
+
+
 @pytest.mark.parametrize(("when", "kind"), [("m->time > 0.25", None), ("1", InputError)])
 def test_an_update_may_ask_for_the_end(tmp_path: Path, when: str, kind: type | None) -> None:
     body = f'if (is(call, "DoStep")) m->event = true; m->terminate = {when} && !is(call, "DoStep");'

@@ -175,6 +175,10 @@ class Isolated:
         """Enter initialisation mode."""
         return self._ask("enter_initialisation", start_time, stop_time)
 
+    def set_intervals(self, references: Sequence[int], intervals: Sequence[float]) -> int:
+        """Say at which intervals (s) clocks will tick that the importer has the choice of."""
+        return self._ask("set_intervals", references, intervals)
+
     def exit_initialisation(self) -> int:
         """Leave initialisation mode."""
         return self._ask("exit_initialisation")
