@@ -102,7 +102,7 @@ def test_the_record_has_what_was_flushed(tmp_path: Path) -> None:
     with open_run(tmp_path / "out") as kept:
         rows = kept["box.y"].values
         assert 1 < len(rows) <= dies + 1
-        assert rows.tolist() == [tick / rate for tick in range(len(rows))]
+        assert rows.tolist() == pytest.approx([tick / rate for tick in range(len(rows))])
 
 
 PACED = 100

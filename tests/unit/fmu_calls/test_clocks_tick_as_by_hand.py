@@ -362,7 +362,8 @@ def test_a_triggered_clock_ticks_at_one_instant_of_an_event(tmp_path: Path) -> N
     )
     (tmp_path / "jumps.py").write_text(
         "from cosim.base.component import *\nclass Jumps(Component):\n"
-        "    variables = (Variable(name='y', causality=Causality.OUTPUT, type=VariableType.INT64),)\n"
+        "    variables = (Variable(name='y', causality=Causality.OUTPUT,"
+        " type=VariableType.INT64),)\n"
         "    def initialise(self, setup, inputs, outputs): self.y = outputs['y']\n"
         "    def evaluate(self, tick): self.y[0] = 3 * (tick // 2)\n"
     )
