@@ -119,7 +119,7 @@ def compare(
                 continue  # it could not, and will not
             record = folder / f"{name}-{number}-{case.name}-{case.size}" if recorded else None
             answer = ask(python, peer, given, record, options.mastersim)
-            remarks |= {name: why} if (why := different(answer, expected)) else {}
+            remarks |= {name: why} if (why := different(answer, expected, peer.digits)) else {}
             if not answer.cannot:
                 seconds.setdefault(name, []).append(answer.seconds)
     rows: list[Row] = []
@@ -131,12 +131,12 @@ def compare(
     return rows
 
 
-def different(answer: Answer, expected: dict[str, float]) -> str:
-    """What is to be said of an answer; nothing where it is ours bit for bit."""
+def different(answer: Answer, expected: dict[str, float], digits: int) -> str:
+    """What is to be said of an answer; nothing where it is ours in all the digits that it has."""
     if answer.cannot:
         return answer.cannot
     for (name, ours), theirs in zip(expected.items(), answer.values, strict=True):
-        if ours != theirs:
+        if float(f"{ours:.{digits}g}") != theirs:
             return f"differs: {name} is {theirs!r}, here {ours!r}"
     return ""
 

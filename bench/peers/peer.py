@@ -23,6 +23,8 @@ class Peer:
     packages: tuple[str, ...]
     computes: frozenset[str] = frozenset()
     """Kinds of systems in which its values are known to be ours, bit for bit."""
+    digits: int = 17
+    """Significant ones of the values that it gives."""
 
 
 PEERS = {
@@ -38,7 +40,7 @@ PEERS = {
         "libcosim", "libcosim_master.py", ("libcosimpy",), frozenset({"one rate", "two rates"})
     ),
     "cofmupy": Peer("CoFMuPy", "cofmupy_master.py", ("cofmupy",)),
-    "mastersim": Peer("MasterSim", "mastersim_master.py", ()),
+    "mastersim": Peer("MasterSim", "mastersim_master.py", (), frozenset({"one rate"}), digits=14),
 }
 """Why others do not compute the same is in docs/performance.md and docs/interop.md."""
 

@@ -36,7 +36,7 @@ class System:
 
 
 def serve(run: Any) -> None:
-    """``SCRIPT SYSTEM [RECORD]``: print the loop's processor time (s) and the last watched values."""
+    """``SCRIPT SYSTEM [RECORD]``: print the loop's processor time (s), and the last values."""
     system = System(**json.loads(Path(sys.argv[1]).read_text()))
     record = Path(sys.argv[2]) if len(sys.argv) > 2 else None
     try:
