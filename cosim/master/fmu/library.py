@@ -65,7 +65,7 @@ def _load(path: Path, version: int) -> Library:
 
 def _renewed(path: Path, version: int, used: _Open) -> Library:
     if not used.is_lost and _unload(used.library):
-        return _load(path, version)
+        return _load(used.library.path, version)  # a lost one stays loaded at `path`
     return _load(_copy(path), version)
 
 

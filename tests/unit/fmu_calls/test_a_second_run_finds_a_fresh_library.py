@@ -57,6 +57,30 @@ def test_every_run_begins_with_static_memory_as_it_was_compiled(tmp_path: Path, 
         assert list(sink.signal("it.y")) == [0, 1, 2, 3, 4]
 
 
+def test_what_was_never_freed_is_not_met_again(tmp_path: Path) -> None:
+    """After a run with a private copy, too: the library itself is loaded still."""
+    snippet = "char *getenv(const char *);" + COUNTING.format(
+        more="", do='if (is(call, "DoStep") && steps == 5 && getenv("IS_LOST")) return 4;'
+    )
+    output = '<Output valueReference="1" dependencies=""/>'
+    y = scalar(3, "y", 1, causality="output")
+    path = foreign_fmu(tmp_path, 3, y, snippet=snippet, structure=output)
+    written = {"duration": 0.05, "components": {"it": {"fmu": str(path), "rate": 100}}}
+    for is_lost in (True, False, False, True, False, False):
+        sink = MemorySink()
+        with (
+            pytest.MonkeyPatch.context() as given,
+            assemble(scenario_of(tmp_path, written)) as simulation,
+        ):
+            if is_lost:
+                given.setenv("IS_LOST", "1")
+                with pytest.raises(Exception, match="fatal"):
+                    simulation.run(sink)
+            else:
+                simulation.run(sink)
+        assert list(sink.signal("it.y")) == [0, 1, 2, 3, 4]
+
+
 def test_two_instances_of_a_run_share_it(tmp_path: Path) -> None:
     path = foreign_fmu(
         tmp_path,

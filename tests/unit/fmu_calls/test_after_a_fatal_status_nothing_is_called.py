@@ -12,11 +12,13 @@ from tests.support.fmus.foreign import foreign_fmu, scalar
 from tests.support.master.master_support import scenario_of
 
 FAILS = """
+    static Foreign *instances_begin(void);
+    char *getenv(const char *);
     #include <stddef.h>
     int open(const char *, int, ...); long write(int, const void *, size_t); int close(int);
     static void note(Foreign *m, const char *call)
     {
-        int file = open("%(file)s", 1 | 64 | 1024, 0600); /* write, create, append */
+        int file = open(getenv("NOTED_IN"), 1 | 64 | 1024, 0600); /* write, create, append */
         size_t length = 0;
         while (call[length])
             length++;
@@ -30,9 +32,9 @@ FAILS = """
     {
         m->event = true; /* after every step */
         note(m, failed ? call : "-");
-        if (is(call, "%(call)s") && m == instances_begin()) {
+        if (is(call, getenv("FAILS_IN")) && m == instances_begin()) {
             failed = 1;
-            return %(status)d;
+            return getenv("FAILS_WITH")[0] - '0';
         }
         return 0;
     }
@@ -49,17 +51,12 @@ def calls_after(folder: Path, version: int, call: str, status: int, keys: str = 
         2: '<Outputs><Unknown index="2" dependencies=""/></Outputs>',
         3: '<Output valueReference="2" dependencies=""/>',
     }[version]
-    snippet = "static Foreign *instances_begin(void);" + FAILS % {
-        "file": log,
-        "call": {"Set": f"Set{kind}", "Get": f"Get{kind}"}.get(call, call),
-        "status": status,
-    }
     fmu = foreign_fmu(
         folder,
         version,
         scalar(version, "u", 1, causality="input", start="0")
         + scalar(version, "y", 2, causality="output"),
-        snippet=snippet,
+        snippet=FAILS,
         structure=output,
         interface={"hasEventMode": "true"} if event_mode else {},
     )
@@ -68,8 +65,12 @@ def calls_after(folder: Path, version: int, call: str, status: int, keys: str = 
         f"duration: 4\nbase_rate: 1\ncomponents:\n  a: {{fmu: {fmu}, {more}}}\n"
         f"  b: {{fmu: {fmu}, {more}}}\n"
     )
-    with pytest.raises(CohapticError), assemble(scenario_of(folder, written)) as simulation:
-        simulation.run()
+    called = {"Set": f"Set{kind}", "Get": f"Get{kind}"}.get(call, call)
+    with pytest.MonkeyPatch.context() as given:
+        for name, value in (("NOTED_IN", log), ("FAILS_IN", called), ("FAILS_WITH", status)):
+            given.setenv(name, str(value))
+        with pytest.raises(CohapticError), assemble(scenario_of(folder, written)) as simulation:
+            simulation.run()
     return [line for line in log.read_text().splitlines() if not line.endswith("-")]
 
 
