@@ -198,6 +198,11 @@ class Run:
     def loop(self) -> int:
         return _child(self.supervisor)
 
+    @property
+    def processes(self) -> list[int]:
+        """The command and all that it started."""
+        return _tree(self.command.pid)
+
     def type(self, key: str) -> None:
         assert self.terminal is not None
         os.write(self.terminal, key.encode())

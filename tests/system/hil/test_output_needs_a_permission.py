@@ -130,3 +130,16 @@ def test_a_dead_man_input_is_asked_whoever_opens_the_board(monkeypatch, ahead: b
     assert not given.is_held()
     (question,) = questions
     assert question.startswith("Hold the handle")
+
+
+@pytest.mark.parametrize("ahead", [False, True])
+def test_a_board_is_homed_by_nobody_where_nobody_is_at_a_terminal(monkeypatch, ahead: bool):
+    """A dead-man input that is held says that there is a hand, not where it holds the handle."""
+    monkeypatch.setattr("hil.setup.session.wait_until_held", lambda *_: True)
+    session = Session(enable_output=True, dead_man=lambda _: lambda: True, prompt=None)
+    device = real(file={"home": list(REST_ANGLE)})
+    if ahead:
+        session.ask_ahead(device)
+    assert session.permission(device) is not None
+    with pytest.raises(ActivationRefused, match="is not homed: nobody is at a terminal"):
+        session.hold_home_pose(device)

@@ -6,12 +6,21 @@ process was itself kept from looking: the probe beside it.
 
 from __future__ import annotations
 
+import os
 import signal
+import time
 from pathlib import Path
 
 import pytest
 
-from tests.support.hil.ending_table import BOARDS, ENDINGS, STALL, end_it, pushing
+from tests.support.hil.ending_table import (
+    BOARDS,
+    ENDINGS,
+    STALL,
+    check_every_tick,
+    end_it,
+    pushing,
+)
 from tests.support.hil.endings import Run
 from tests.support.machine import timed
 
@@ -42,6 +51,49 @@ def test_a_zero_that_nobody_confirmed_is_said_to_be_unknown(how: str, tmp_path: 
         return None
 
     timed(attempt, tolerates=STALL)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.2, 0.6, 1.2])
+def test_a_command_killed_while_its_devices_open_leaves_nobody_who_pushes(
+    delay: float, tmp_path: Path
+):
+    """Wherever it is: still opening, proving a watchdog, or at its first torques."""
+
+    def attempt(number: int) -> str | None:
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        run = Run(folder, "cobs")
+        try:
+            run.begin()
+            run.answer("Type 'enable'", "enable\n")
+            run.answer("press Enter", "\n")
+            time.sleep(delay)
+            others = [process for process in run.processes if process != run.command.pid]
+            at = time.monotonic()
+            os.kill(run.command.pid, signal.SIGKILL)
+            time.sleep(2.5)
+            seen = run.seen()
+            check_every_tick(seen.torques)
+            allowed = at + 0.05 + seen.busy(at, 0.05)
+            late = [(t - at, *pair) for t, *pair in seen.torques if t > allowed and any(pair)]
+            assert not late, f"still pushed {late[-1][0]:.3f} s after the command was killed"
+            left = [process for process in others if is_alive(process)]
+            assert not left, f"{len(left)} of its processes still run"
+        except AssertionError as error:
+            return str(error)
+        finally:
+            run.end()
+        return None
+
+    timed(attempt, tolerates=STALL)
+
+
+def is_alive(process: int) -> bool:
+    try:
+        text = Path(f"/proc/{process}/stat").read_text()
+    except OSError:
+        return False
+    return text.rsplit(")", 1)[1].split()[0] not in {"Z", "X"}
 
 
 def test_what_was_typed_before_the_question_is_no_answer(tmp_path: Path):
