@@ -70,10 +70,10 @@ class Seen:
 
     def first_zero(self, after: float) -> float | None:
         """Seconds from ``after`` to the first zero that is followed by nothing but zeros."""
-        hot = [t for t, *pair in self.torques if any(pair)]
-        last = hot[-1] if hot else after
-        zeros = [t for t, *pair in self.torques if t > last and not any(pair)]
-        return max(0.0, zeros[0] - after) if zeros else None
+        # By order and not by time: the frames of two drives may come in one read.
+        hot = [number for number, (_, *pair) in enumerate(self.torques) if any(pair)]
+        zeros = self.torques[hot[-1] + 1 :] if hot else [r for r in self.torques if r[0] > after]
+        return max(0.0, zeros[0][0] - after) if zeros else None
 
     def first_answer(self, after: float) -> float | None:
         """Seconds from ``after`` to the first answer that confirms the zero that lasts."""
