@@ -41,6 +41,8 @@ def variables_header(model: Model) -> str:
     ]
     for enumeration in layout.enumerations:
         lines += _enumeration(enumeration)
+    for name, rows in model.tables.items():
+        lines += _table(name, rows)
     lines += ["struct Variables {"]
     lines += _members(model.variables, "    ")
     lines += [
@@ -133,6 +135,12 @@ def _enumeration(enumeration: Enumeration) -> list[str]:
     prefix = enumeration.name.upper()
     items = [f"    {prefix}_{item.name.upper()} = {item.value}," for item in enumeration.items]
     return [f"enum {enumeration.name} {{", *items, "};", ""]
+
+
+def _table(name: str, rows: tuple[tuple[float, ...], ...]) -> list[str]:
+    values = ["    {" + ", ".join(map(repr, row)) + "}," for row in rows]
+    size = f"[{len(rows)}][{len(rows[0])}]"
+    return [f"static const double {name.upper()}{size} = {{", *values, "};", ""]
 
 
 def _members(members: tuple[ModelVariable | Group, ...], indent: str) -> list[str]:

@@ -134,6 +134,7 @@ class Model:
     ``ideal`` holds the values of the parameters at which everything without a derivative is gone;
     ``"window"`` stands for the window that velocities are then estimated over. ``damped`` holds
     values that bring the model to rest where it would rest anyway.
+    ``tables`` are constants that the C side is given: a name -> rows of equal length.
     ``retunes``: the model has copies of tunable parameters in its state, and ``model_retune``.
     """
 
@@ -152,3 +153,6 @@ class Model:
     linear: bool = False
     ideal: Mapping[str, float | int | str] = field(default_factory=dict[str, float | int | str])
     damped: Mapping[str, float] = field(default_factory=dict[str, float])
+    tables: Mapping[str, tuple[tuple[float, ...], ...]] = field(
+        default_factory=dict[str, tuple[tuple[float, ...], ...]]
+    )

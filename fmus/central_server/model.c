@@ -18,6 +18,7 @@ struct State {
     WorldState environment;
     SentPacket sent[PEERS];
     WaveEnd wave[PEERS][PEER_FINGERS];
+    Intent intent[PEERS];
 };
 
 const size_t model_state_size = sizeof(State);
@@ -80,17 +81,27 @@ static void solve_waves(const Variables *v, const State *s, Tick *tick)
     }
 }
 
+/* What client p says; it has no box. */
+#define READ_CLIENT(motion, p) \
+    do { \
+        READ_FINGER_MOTIONS(motion, &v->client[p]); \
+        (motion)[MOTION_BOX] = (motion)[MOTION_BOX_ANGLE] = (Motion){{0.0, 0.0}, {0.0, 0.0}}; \
+    } while (0)
+
 static void evaluate(const Variables *v, const State *s, Tick *tick)
 {
     station_measure(v, &s->station, &s->own, tick->measured);
     own_fingers(tick->measured, &tick->input);
     for (int p = 0; p < PEERS; p++) {
-        const double ahead =
-            prediction_time(v, p, s->own.tick, v->client[p].source_tick, v->client[p].source_age);
-        tick->input.peer[p].weight = peer_weight(v, p);
-        tick->input.peer[p].coupled = false;
-        tick->input.peer[p].box = (BoxState){0}; /* a closed port keeps its place in the state */
-        READ_PEER_FINGERS(&tick->input.peer[p], &v->client[p], p, ahead);
+        Motion motion[MOTIONS];
+        READ_CLIENT(motion, p);
+        move_on(v, p, &s->intent[p], s->own.tick, v->client[p].source_tick,
+                v->client[p].source_age, motion);
+        PeerInput *peer = &tick->input.peer[p];
+        peer->weight = peer_weight(v, p);
+        peer->coupled = false;
+        peer->box = (BoxState){0}; /* a closed port keeps its place in the state */
+        peer_fingers(v, p, v->client[p].source_tick, v->client[p].status, motion, peer);
     }
     if (v->force_channel == FORCECHANNEL_WAVE) {
         receive_waves(v, s, tick);
@@ -156,7 +167,12 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     if (wrong) return wrong;
     Tick tick;
     evaluate(v, s, &tick);
-    for (int p = 0; p < PEERS; p++) s->sent[p] = send(s, &tick.forces, p);
+    for (int p = 0; p < PEERS; p++) {
+        Motion motion[MOTIONS];
+        s->sent[p] = send(s, &tick.forces, p);
+        READ_CLIENT(motion, p);
+        hear_peer(v, p, &s->intent[p], v->client[p].source_tick, v->client[p].source_age, motion);
+    }
     if (v->force_channel == FORCECHANNEL_WAVE) commit_waves(v, s, &tick);
     environment_commit(v, &s->station, &s->own, &s->world, &s->environment, tick.measured,
                        &tick.forces);

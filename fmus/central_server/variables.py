@@ -9,7 +9,7 @@ from fmus.shared.workstation.packets import packet_inputs, packet_outputs, packe
 from fmus.shared.workstation.peers import PEERS, peer_contact_outputs, peer_inputs
 from fmus.shared.workstation.station import station_parameters
 from fmus.shared.workstation.waves import wave_members, wave_parameters
-from fmus.shared.world import couplers, environment
+from fmus.shared.world import couplers, environment, intent
 from fmus.table import Group, Model
 
 _CLIENTS = ("client_?.*", "peer_weight", "peer_valid", "peer_age")
@@ -69,6 +69,7 @@ MODEL = Model(
             )
         ),
         *(member for peer in range(PEERS) for member in kept.packet_state(f"sent[{peer}]")),
+        *intent.intent_state(),
     ),
     ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(
@@ -78,6 +79,7 @@ MODEL = Model(
         "lattice.c",
         "contact.c",
         "finger.c",
+        "intent.c",
         "packet.c",
         "passivity.c",
         "port.c",

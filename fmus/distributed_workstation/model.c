@@ -8,6 +8,7 @@ struct State {
     StationState own;
     WorldState environment;
     SentPacket sent;
+    Intent intent[PEERS];
 };
 
 const size_t model_state_size = sizeof(State);
@@ -64,16 +65,18 @@ __attribute__((noinline)) static const Evaluation *evaluate(const Variables *v, 
     station_measure(v, &s->station, &s->own, found->measured);
     own_fingers(found->measured, &input);
     for (int p = 0; p < PEERS; p++) {
-        const double ahead =
-            prediction_time(v, p, s->own.tick, v->peer[p].source_tick, v->peer[p].source_age);
+        Motion motion[MOTIONS];
+        READ_FINGER_MOTIONS(motion, &v->peer[p]);
+        READ_BOX_MOTIONS(motion, &v->peer[p]);
+        move_on(v, p, &s->intent[p], s->own.tick, v->peer[p].source_tick, v->peer[p].source_age,
+                motion);
         PeerInput *peer = &input.peer[p];
+        const Motion *box = &motion[MOTION_BOX], *angle = &motion[MOTION_BOX_ANGLE];
         peer->weight = peer_weight(v, p);
         peer->coupled = p < v->peers && v->peer[p].source_tick >= 0;
-        peer->box.velocity = (Planar){v->peer[p].box_vx, v->peer[p].box_vy, v->peer[p].box_omega};
-        peer->box.pose = (Planar){v->peer[p].box_x + ahead * v->peer[p].box_vx,
-                                  v->peer[p].box_y + ahead * v->peer[p].box_vy,
-                                  v->peer[p].box_theta + ahead * v->peer[p].box_omega};
-        READ_PEER_FINGERS(peer, &v->peer[p], p, ahead);
+        peer->box.velocity = (Planar){box->velocity.x, box->velocity.y, angle->velocity.x};
+        peer->box.pose = (Planar){box->position.x, box->position.y, angle->position.x};
+        peer_fingers(v, p, v->peer[p].source_tick, v->peer[p].status, motion, peer);
     }
     world_forces(&s->world, &s->environment, &input, &found->forces);
     found->sent = send(s, found->measured);
@@ -100,6 +103,12 @@ const char *model_step(Variables *v, State *s, double t, double h, Report *r)
     if (wrong) return wrong;
     const Evaluation *now = report_outputs_are_current(r) ? model_work(s) : evaluate(v, s);
     s->sent = now->sent;
+    for (int p = 0; p < PEERS; p++) {
+        Motion motion[MOTIONS];
+        READ_FINGER_MOTIONS(motion, &v->peer[p]);
+        READ_BOX_MOTIONS(motion, &v->peer[p]);
+        hear_peer(v, p, &s->intent[p], v->peer[p].source_tick, v->peer[p].source_age, motion);
+    }
     environment_commit(v, &s->station, &s->own, &s->world, &s->environment, now->measured,
                        &now->forces);
     return NULL;

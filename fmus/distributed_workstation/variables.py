@@ -8,7 +8,7 @@ from fmus.shared.workstation.fingers import finger_group, finger_terminals
 from fmus.shared.workstation.packets import packet_inputs, packet_outputs, packet_terminal
 from fmus.shared.workstation.peers import PEERS, peer_contact_outputs, peer_inputs
 from fmus.shared.workstation.station import station_parameters
-from fmus.shared.world import couplers, environment
+from fmus.shared.world import couplers, environment, intent
 from fmus.table import Group, Model
 
 _PEERS = ("peer_?.*", "peer_weight", "peer_valid", "peer_age")
@@ -48,7 +48,12 @@ MODEL = Model(
     ),
     work_bytes=6144,
     retunes=True,
-    state=(*kept.station_state(), *kept.packet_state("sent"), *kept.world_state()),
+    state=(
+        *kept.station_state(),
+        *kept.packet_state("sent"),
+        *kept.world_state(),
+        *intent.intent_state(),
+    ),
     ideal={**kept.IDEAL_STATION, **kept.IDEAL_WORLD},
     sources=(
         "model.c",
@@ -57,6 +62,7 @@ MODEL = Model(
         "lattice.c",
         "contact.c",
         "finger.c",
+        "intent.c",
         "packet.c",
         "passivity.c",
         "port.c",

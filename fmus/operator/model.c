@@ -1,13 +1,21 @@
-/* The emulated user: F = F_cmd + k (x_ref - x) + b (dx_ref/dt - dx/dt), per axis. */
+/* The emulated user: F = F_cmd + k (x_ref - x) + b (dx_ref/dt - dx/dt), per axis; with a grip, the same on
+ * an arm's mass, and the grip's spring and damper from there to the finger. */
 #include "operator_variables.h"
 #include "tracking.h"
 #include "waveform.h"
 
 enum { AXES = 2, VIA_POINTS = 16, CAPACITY = 16384, COLUMNS = 3 };
 
+/* The arm's mass behind the grip; `held` once it is where the finger was. */
+typedef struct {
+    double position[AXES], velocity[AXES];
+    int64_t held;
+} Grip;
+
 struct State {
     double time;
     Tracking tracking;
+    Grip grip;
     size_t count;
     double rows[CAPACITY * COLUMNS];
 };
@@ -24,6 +32,8 @@ size_t model_state_used(const State *s)
 const char *model_initialise(Variables *v, State *s, Report *r)
 {
     s->time = report_start_time(r);
+    if (v->impedance == OPERATOR_IMPEDANCE_CUSTOM_GRIP && !(v->hand_mass > 0.0))
+        return "impedance is 'custom_grip', which needs a hand_mass above 0.";
     if (v->trajectory == OPERATOR_TRAJECTORY_MINIMUM_JERK) {
         if (v->via_count == 0)
             return "trajectory is 'minimum_jerk', but via_count is 0; give via points.";
@@ -115,39 +125,80 @@ static double command(const Variables *v, const State *s, int axis)
     return v->force_rectify[axis] ? half_wave(signal).value : signal.value;
 }
 
-static void hand_impedance(const Variables *v, double stiffness[AXES], double damping[AXES])
+/* Arm and grip on one axis. */
+typedef struct {
+    double stiffness, damping;
+    double mass; /* behind the grip; 0: there is none */
+    double grip_stiffness, grip_damping;
+} Hand;
+
+static Hand hand_of(const Variables *v, int axis)
 {
-    for (int axis = 0; axis < AXES; ++axis)
-        switch (v->impedance) {
-        case OPERATOR_IMPEDANCE_RELAXED:
-            stiffness[axis] = 100.0, damping[axis] = 3.0;
-            break;
-        case OPERATOR_IMPEDANCE_NORMAL:
-            stiffness[axis] = 300.0, damping[axis] = 8.0;
-            break;
-        case OPERATOR_IMPEDANCE_STIFF:
-            stiffness[axis] = 800.0, damping[axis] = 15.0;
-            break;
-        default:
-            stiffness[axis] = v->stiffness[axis], damping[axis] = v->damping[axis];
-        }
+    const double *row = OPERATOR_HANDS[v->impedance];
+    switch (v->impedance) {
+    case OPERATOR_IMPEDANCE_CUSTOM:
+        return (Hand){v->stiffness[axis], v->damping[axis], 0.0, 0.0, 0.0};
+    case OPERATOR_IMPEDANCE_CUSTOM_GRIP:
+        return (Hand){v->stiffness[axis], v->damping[axis], v->hand_mass, v->grip_stiffness,
+                      v->grip_damping};
+    default:
+        return (Hand){row[0], row[1], row[2], row[3], row[4]};
+    }
+}
+
+/* Where the arm's mass is: at first, where it took hold of the finger. */
+static Signal arm_place(const Variables *v, const State *s, int axis)
+{
+    if (!s->grip.held) return (Signal){v->position[axis], v->velocity[axis]};
+    return (Signal){s->grip.position[axis], s->grip.velocity[axis]};
+}
+
+static double pull(double stiffness, double damping, Signal from, const Variables *v, int axis)
+{
+    return stiffness * (from.value - v->position[axis]) + damping * (from.rate - v->velocity[axis]);
 }
 
 void model_outputs(Variables *v, const State *s)
 {
-    double stiffness[AXES], damping[AXES];
-    hand_impedance(v, stiffness, damping);
     for (int axis = 0; axis < AXES; ++axis) {
+        const Hand hand = hand_of(v, axis);
         const Signal wanted = reference(v, s, axis);
         v->reference_position[axis] = wanted.value;
         v->reference_velocity[axis] = wanted.rate;
         v->force_command[axis] = command(v, s, axis);
-        v->force[axis] = v->force_command[axis] +
-                         stiffness[axis] * (wanted.value - v->position[axis]) +
-                         damping[axis] * (wanted.rate - v->velocity[axis]);
+        if (hand.mass > 0.0)
+            v->force[axis] = v->force_command[axis] + pull(hand.grip_stiffness, hand.grip_damping,
+                                                           arm_place(v, s, axis), v, axis);
+        else
+            v->force[axis] = v->force_command[axis] +
+                             hand.stiffness * (wanted.value - v->position[axis]) +
+                             hand.damping * (wanted.rate - v->velocity[axis]);
         if (v->trajectory == OPERATOR_TRAJECTORY_TRACKED)
             v->force[axis] *= s->tracking.weight;
     }
+}
+
+/* The arm's mass over a step, by the implicit midpoint rule: the finger goes on as it does, and so does
+ * the reference. */
+static void move_arm(const Variables *v, State *s, int axis, double h)
+{
+    const Hand hand = hand_of(v, axis);
+    if (!(hand.mass > 0.0)) { /* so that a grip begins where the finger is */
+        s->grip.position[axis] = v->position[axis];
+        s->grip.velocity[axis] = v->velocity[axis];
+        return;
+    }
+    const Signal wanted = reference(v, s, axis), arm = arm_place(v, s, axis);
+    const double half = 0.5 * h;
+    const double finger = v->position[axis] + half * v->velocity[axis] - arm.value;
+    const double goal = wanted.value + half * wanted.rate - arm.value;
+    const double push = hand.grip_stiffness * finger + hand.grip_damping * v->velocity[axis]
+                        + hand.stiffness * goal + hand.damping * wanted.rate;
+    const double held = half * (hand.grip_damping + hand.damping)
+                        + half * half * (hand.grip_stiffness + hand.stiffness);
+    const double middle = (hand.mass * arm.rate + half * push) / (hand.mass + held);
+    s->grip.position[axis] = arm.value + h * middle;
+    s->grip.velocity[axis] = 2.0 * middle - arm.rate;
 }
 
 /* Nobody was there yet: the via points. */
@@ -163,6 +214,8 @@ static void emulate(const Variables *v, Tracking *k, double t)
 
 const char *model_step(Variables *v, State *s, double t, double h, Report *r)
 {
+    for (int axis = 0; axis < AXES; ++axis) move_arm(v, s, axis, h);
+    s->grip.held = 1;
     s->time = t + h;
     if (v->trajectory == OPERATOR_TRAJECTORY_GIVEN) {
         s->tracking.interval = h;

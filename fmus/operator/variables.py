@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from cosim.base.meaning import Meaning
+from fmus.operator.hands import CUSTOM_GRIP, GRIPPED, HANDS
 from fmus.state import Kept, reals, words
 from fmus.table import Causality, Enumeration, Item, Model, ModelVariable
 
 VIA_POINTS = 16
+GRIP = f"impedance>={GRIPPED}"
+HANDLESS = (0.0,) * len(HANDS[0].row)
+"""Of what is given."""
 TRACKED = "trajectory>=4"
 """Where a tracked or given reference is read."""
 
@@ -15,9 +19,16 @@ IMPEDANCE = Enumeration(
     description="How stiffly the user holds on to the reference",
     items=(
         Item(name="custom", value=0, description="stiffness and damping as given; 0: force only"),
-        Item(name="relaxed", value=1, description="100 N/m, 3 N.s/m"),
-        Item(name="normal", value=2, description="300 N/m, 8 N.s/m"),
-        Item(name="stiff", value=3, description="800 N/m, 15 N.s/m"),
+        *(
+            Item(name=hand.name, value=number, description=hand.description)
+            for number, hand in enumerate(HANDS, start=1)
+        ),
+        Item(
+            name="custom_grip",
+            value=CUSTOM_GRIP,
+            description="stiffness and damping of an arm of hand_mass behind grip_stiffness and "
+            "grip_damping, as given",
+        ),
     ),
 )
 
@@ -113,6 +124,7 @@ MODEL = Model(
     description="Emulated user: force, and a hand impedance along a planar trajectory",
     sources=("model.c", "tracking.c", "waveform.c"),
     state_ends_in_table=True,
+    tables={"operator_hands": (HANDLESS, *(hand.row for hand in HANDS), HANDLESS)},
     state=(
         *words(("time", *(f"tracking.{name}" for name in ("sample_time", "interval", "silence")))),
         *words(("tracking.count",)),
@@ -120,6 +132,9 @@ MODEL = Model(
         *_kept("m", "position", "sample"),
         *_kept("m/s", "velocity", "sample_velocity"),
         *reals(("tracking.weight",), "1", when=TRACKED),
+        *reals((f"grip.position[{axis}]" for axis in range(2)), "m", when=GRIP),
+        *reals((f"grip.velocity[{axis}]" for axis in range(2)), "m/s", when=GRIP),
+        *words(("grip.held",), are_modes=True),
     ),
     variables=(
         _pair("position", "Position of the finger, world frame", "m", "input"),
@@ -168,7 +183,7 @@ MODEL = Model(
         ),
         ModelVariable(
             name="stiffness",
-            description="Stiffness of the hand on each axis where impedance is custom",
+            description="Stiffness of the hand on each axis where impedance is custom, custom_grip",
             causality="parameter",
             tunable=True,
             unit="N/m",
@@ -178,7 +193,7 @@ MODEL = Model(
         ),
         ModelVariable(
             name="damping",
-            description="Damping of the hand on each axis where impedance is custom",
+            description="Damping of the hand on each axis where impedance is custom, custom_grip",
             causality="parameter",
             tunable=True,
             unit="N.s/m",
@@ -186,6 +201,9 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
+        _number("hand_mass", "Mass behind the grip where impedance is custom_grip", "kg", 0.5),
+        _number("grip_stiffness", "Stiffness of the grip of custom_grip", "N/m", 600.0),
+        _number("grip_damping", "Damping of the grip of custom_grip", "N.s/m", 4.5),
         ModelVariable(
             name="trajectory",
             description="How the reference moves",

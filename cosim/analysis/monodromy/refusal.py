@@ -50,6 +50,7 @@ def refuse_what_has_no_theory(scenario: Scenario) -> None:
         if part.is_bundled:
             _refuse_deadband(scenario, part)
             _refuse_passivity(scenario, part)
+            _refuse_intent(scenario, part)
 
 
 def _refuse_deadband(scenario: Scenario, part: ScenarioComponent) -> None:
@@ -69,6 +70,16 @@ def _refuse_passivity(scenario: Scenario, part: ScenarioComponent) -> None:
             "loop is one of two, and which one depends on its past. Ask without it: "
             f"--set components.{part.name}.parameters.passivity=none.",
             scenario.locate(("components", part.name, "parameters", "passivity")),
+        )
+
+
+def _refuse_intent(scenario: Scenario, part: ScenarioComponent) -> None:
+    if part.parameters.get("predictor") in {"intent", 2}:
+        raise InputError(
+            f"{part.name} guesses what hands intend: how much it believes of a motion depends on "
+            "how large that is, so that no map holds for small and large ones. Ask with "
+            f"--set components.{part.name}.parameters.predictor=linear, or hold_last.",
+            scenario.locate(("components", part.name, "parameters", "predictor")),
         )
 
 

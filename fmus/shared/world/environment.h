@@ -3,6 +3,7 @@
 #ifndef COHAPTIC_ENVIRONMENT_H
 #define COHAPTIC_ENVIRONMENT_H
 
+#include "prediction.h"
 #include "workstation.h"
 #include "world.h"
 
@@ -30,6 +31,8 @@ static const char *environment_set_up(const Variables *v, World *world, WorldSta
         return "mass, inertia and side of the box must be positive.";
     if (!(v->kinetic_friction >= 0.0 && v->static_friction >= v->kinetic_friction))
         return "static_friction must be at least kinetic_friction, and neither may be negative.";
+    const char *wrong = prediction_set_up(v);
+    if (wrong) return wrong;
     world->period = v->sample_period;
     world->box = (Box){
         .half_side = 0.5 * v->side,
@@ -94,43 +97,25 @@ static void own_fingers(const FingerMeasurement measured[FINGERS], WorldInput *i
             (FingerInput){measured[f].present, measured[f].position, measured[f].velocity};
 }
 
-/* How long ago what a peer last said was so, s; 0 unless the predictor is on. `peer_age` comes from
- * the link; where nothing drives it the ticks of both sides count from the same instant. */
-static double prediction_time(const Variables *v, int p, int64_t tick, int64_t source_tick,
-                              int64_t source_age)
-{
-    if (v->predictor != PREDICTOR_LINEAR) return 0.0;
-    int64_t age = v->peer_age[p] > 0 ? v->peer_age[p] : tick - source_tick + source_age;
-    if (age < 0) age = 0;
-    if (age > v->prediction_limit) age = v->prediction_limit;
-    return (double)age * v->sample_period;
-}
-
 static double peer_weight(const Variables *v, int p)
 {
     if (p >= v->peers || !v->peer_valid[p]) return 0.0;
     return fmin(fmax(v->peer_weight[p], 0.0), 1.0);
 }
 
-static FingerInput peer_finger(bool present, const double position[2], const double velocity[2],
-                               double ahead)
+static FingerInput peer_finger(bool present, const Motion *motion)
 {
-    return (FingerInput){present,
-                         {position[0] + ahead * velocity[0], position[1] + ahead * velocity[1]},
-                         {velocity[0], velocity[1]}};
+    return (FingerInput){present, motion->position, motion->velocity};
 }
 
-/* The fingers of peer p from `source`, any struct with the members of a packet. */
-#define READ_PEER_FINGERS(target, source, p, ahead) \
-    do { \
-        const int64_t status = (p) < v->peers && (source)->source_tick >= 0 ? (source)->status : 0; \
-        (target)->finger[0] = peer_finger((status & STATUS_FINGER) != 0, \
-                                          (source)->finger_1_position, \
-                                          (source)->finger_1_velocity, ahead); \
-        (target)->finger[1] = peer_finger((status & 2 * STATUS_FINGER) != 0, \
-                                          (source)->finger_2_position, \
-                                          (source)->finger_2_velocity, ahead); \
-    } while (0)
+/* The fingers of peer p, moved on, as far as its packet says that they are there. */
+static void peer_fingers(const Variables *v, int p, int64_t source_tick, int64_t status,
+                         const Motion motion[MOTIONS], PeerInput *peer)
+{
+    const int64_t there = p < v->peers && source_tick >= 0 ? status : 0;
+    peer->finger[0] = peer_finger((there & STATUS_FINGER) != 0, &motion[MOTION_FINGER_1]);
+    peer->finger[1] = peer_finger((there & 2 * STATUS_FINGER) != 0, &motion[MOTION_FINGER_2]);
+}
 
 #define WRITE_PLANAR(target, planar) \
     do { \

@@ -17,6 +17,7 @@ from fmus.shared.workstation.short_forms import (
     real,
     switch,
 )
+from fmus.shared.world.intent import intent_group
 from fmus.table import Enumeration, Group, Item, ModelVariable
 
 INTEGRATION = Enumeration(
@@ -58,6 +59,11 @@ PREDICTOR = Enumeration(
     items=(
         Item(name="hold_last", value=0, description="Where it last said it was"),
         Item(name="linear", value=1, description="Moved on with its last velocity for its age"),
+        Item(
+            name="intent",
+            value=2,
+            description="Moved on as a hand that rests or moves, whichever its packets speak for",
+        ),
     ),
 )
 
@@ -133,7 +139,7 @@ def wall_group() -> Group:
     )
 
 
-def peer_parameters() -> tuple[ModelVariable, ...]:
+def peer_parameters() -> tuple[ModelVariable | Group, ...]:
     """How peers are read."""
     return (
         choice("predictor", "Where a peer is between its packets", PREDICTOR),
@@ -144,6 +150,7 @@ def peer_parameters() -> tuple[ModelVariable, ...]:
             minimum=0,
             maximum=1_000_000,
         ),
+        intent_group(),
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fmus.shared.world.environment import TABLE_8_1
+from fmus.shared.world.couplers import TABLE_8_1
 from tests.support.physics.planar_oracle import Bench, T
 
 FREE, PRE_SLIDE, SLIDE = 0, 2, 3
