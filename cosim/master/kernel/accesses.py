@@ -95,7 +95,7 @@ class Accesses:
             count = sum(map(size_of, described))
             references = np.array([native.reference(name) for _, name in members], np.uint32)
             scratch = np.zeros(count, dtype=np.int64)
-            ranges = _ranges(described) if is_set else None
+            items = _items(described) if is_set else None
             operation = OperationStruct(
                 kind=_kind(kind, is_set=is_set),
                 owner=self._numbers[unit],
@@ -107,9 +107,9 @@ class Accesses:
                 cells=self._cells.ctypes.data + 8 * members[0][0],
                 cell_count=count,
                 scratch=scratch.ctypes.data,
-                table=0 if ranges is None else ranges.ctypes.data,
+                table=0 if items is None else items[0].ctypes.data,
             )
-            memory = references, scratch, ranges
+            memory = references, scratch, items
             yield WrittenOperation(operation, memory, accessor=Accessor(unit, kind, is_set))
 
     def with_copies(
@@ -142,14 +142,19 @@ def _kind(kind: VariableType, *, is_set: bool) -> OperationKind:
     return OperationKind.GET_FLOAT64 if is_direct else OperationKind.GET
 
 
-def _ranges(variables: Sequence[Variable]) -> NDArray[np.int64] | None:
-    """The least and the most of each element of enumerations; ``None`` where there are none."""
+def _items(variables: Sequence[Variable]) -> tuple[NDArray[np.int64], ...] | None:
+    """What each element of enumerations may be, and the memory of it; ``None`` for other types.
+
+    Of the first array each row has the address and the number of an element's values.
+    """
     if not all(variable.items for variable in variables):
         return None
-    limits = [
-        (min(items.values()), max(items.values()))
-        for variable in variables
-        if (items := variable.items)
+    values = [
+        np.array(list((variable.items or {}).values()), dtype=np.int64) for variable in variables
+    ]
+    rows = [
+        (own.ctypes.data, len(own))
+        for variable, own in zip(variables, values, strict=True)
         for _ in range(size_of(variable))
     ]
-    return np.array(limits, dtype=np.int64)
+    return np.array(rows, dtype=np.int64), *values

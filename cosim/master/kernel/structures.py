@@ -40,6 +40,8 @@ class KnobStruct(ctypes.Structure):
         ("maximum", c_double),
         ("is_real", c_int64),
         ("by_call", c_int64),
+        ("items", c_void_p),
+        ("item_count", c_int64),
     ]
 
 

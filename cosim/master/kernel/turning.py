@@ -93,14 +93,17 @@ class Turning:
         """
         knob = self.knobs[name]
         kind, count = knob.variable.type, size_of(knob.variable)
+        items = np.array(list((knob.variable.items or {}).values()), dtype=np.int64)
         table = KnobStruct(
             self._address(self._layout.wanted[name]),
             knob.minimum,
             knob.maximum,
             kind.is_float,
             by_call,
+            items.ctypes.data,
+            len(items),
         )
-        self._keep.append(table)
+        self._keep += [table, items]
         operation = OperationStruct(
             kind=OperationKind.TUNE,
             owner=owner,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cosim.base.component import Variable, VariableType
@@ -116,8 +118,7 @@ def _out_of_range(program: Program, when: str) -> str:
     if program.kernel.kind == OperationKind.TUNE:
         return _beyond_a_knob(program, float(value), when)
     if items := _described(program).items:
-        words = ", ".join(f"{word} ({number})" for word, number in items.items())
-        return f"{_variable(program)} cannot take {value} at {when}: it is one of {words}"
+        return f"{_variable(program)} cannot take {value} at {when}: it is one of {_words(items)}"
     return f"{_variable(program)} cannot take {value} at {when}: it is of type {kind}"
 
 
@@ -126,10 +127,14 @@ def _beyond_a_knob(program: Program, value: float, when: str) -> str:
     knob = program.turning.knobs[component, variable]
     unit = f" {knob.variable.unit}" if knob.variable.unit not in {None, "", "1"} else ""
     driver = f" by {knob.connection}" if knob.connection else ""
-    return (
-        f"{component}.{variable} was turned to {value:g}{unit}{driver} at {when}: it goes from "
-        f"{knob.minimum:g}{unit} to {knob.maximum:g}{unit}"
-    )
+    goes = f"goes from {knob.minimum:g}{unit} to {knob.maximum:g}{unit}"
+    if items := knob.variable.items:
+        goes = f"is one of {_words(items)}"
+    return f"{component}.{variable} was turned to {value:g}{unit}{driver} at {when}: it {goes}"
+
+
+def _words(items: Mapping[str, int]) -> str:
+    return ", ".join(f"{word} ({number})" for word, number in items.items())
 
 
 def _variable(program: Program) -> str:

@@ -95,3 +95,21 @@ def test_two_instances_of_a_run_share_it(tmp_path: Path) -> None:
     with assemble(scenario_of(tmp_path, written)) as simulation:
         simulation.run(sink)
     assert list(sink.signal("b.y")) == [0, 2, 4]
+
+
+def test_a_reset_of_a_stranger_is_never_asked_for(tmp_path: Path) -> None:
+    """What it leaves behind nobody knows: a renewed run begins with a new instance."""
+    path = foreign_fmu(
+        tmp_path,
+        3,
+        scalar(3, "y", 1, causality="output"),
+        snippet=COUNTING.format(more="", do='if (is(call, "Reset")) return 4;'),
+        structure='<Output valueReference="1" dependencies=""/>',
+    )
+    written = {"duration": 0.03, "components": {"it": {"fmu": str(path), "rate": 100}}}
+    with assemble(scenario_of(tmp_path, written)) as simulation:
+        for _ in range(3):
+            sink = MemorySink()
+            simulation.run(sink, keep_fmus=True)
+            assert list(sink.signal("it.y")) == [0, 1, 2]
+            simulation.renew(simulation.assembly)

@@ -31,17 +31,18 @@ static void unpack(const Operation *op)
     }
 }
 
-/* The lowest and the highest value of an enumeration, for each cell. */
+/* The values of an enumeration, for each cell. */
 typedef struct {
-    int64_t low;
-    int64_t high;
-} Range;
+    const int64_t *values;
+    int64_t count;
+} Items;
 
-static int64_t outside(const Operation *op)
+/* The first value that names nothing, or -1. */
+static int64_t unnamed(const Operation *op)
 {
-    const Range *ranges = op->kind == KIND_SET ? op->table : NULL; /* tune() has judged */
-    for (int64_t i = 0; ranges && i < op->cell_count; i++)
-        if (op->cells[i].integer < ranges[i].low || op->cells[i].integer > ranges[i].high)
+    const Items *items = op->kind == KIND_SET ? op->table : NULL; /* tune() has judged */
+    for (int64_t i = 0; items && i < op->cell_count; i++)
+        if (!is_among(op->cells[i].integer, items[i].values, items[i].count))
             return i;
     return -1;
 }
@@ -112,7 +113,7 @@ Outcome set_values(Kernel *kernel, const Operation *op, Instance *instance)
 {
     if (op->type == TYPE_FLOAT64)
         return set_reals(kernel, op, instance);
-    int64_t misfit = outside(op);
+    int64_t misfit = unnamed(op);
     if (misfit < 0)
         misfit = pack(op);
     if (misfit >= 0) {

@@ -90,7 +90,18 @@ typedef struct {
     double maximum;
     int64_t is_real; /* the cells hold doubles */
     int64_t by_call; /* Python carries the change out */
+    const int64_t *items; /* of an enumeration: the values that it has */
+    int64_t item_count;   /* 0 where it is none */
 } Knob;
+
+/* Whether an enumeration has a value: its numbers may have gaps. */
+static inline bool is_among(int64_t value, const int64_t *values, int64_t count)
+{
+    for (int64_t i = 0; i < count; i++)
+        if (values[i] == value)
+            return true;
+    return false;
+}
 
 /* Rows that are shown over time (KIND_PLAY): `width` cells each, the times in base ticks, rising. */
 typedef struct {
@@ -120,7 +131,7 @@ typedef struct {
     Cell *cells;        /* first cell of a set or get */
     int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
     void *scratch;      /* room for cell_count values of `type` */
-    /* pairs of int32 (from, to), Conversions, int32 columns, Ranges (set), a Knob (tune), or what is
+    /* pairs of int32 (from, to), Conversions, int32 columns, Items (set), a Knob (tune), or what is
        Played */
     const void *table;
     int64_t copy_count; /* pairs that are copied first (set of reals) */

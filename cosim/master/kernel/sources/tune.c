@@ -24,7 +24,10 @@ Outcome tune(Kernel *kernel, const Operation *op)
     for (int64_t i = 0; i < op->cell_count; i++) {
         const Cell cell = knob->wanted[i];
         const double value = knob->is_real ? cell.real : (double)cell.integer;
-        if (!(value >= knob->minimum && value <= knob->maximum)) { /* a NaN is no value, either */
+        const bool is_named = knob->item_count == 0
+                              || is_among(cell.integer, knob->items, knob->item_count);
+        /* A NaN is no value, either. */
+        if (!is_named || !(value >= knob->minimum && value <= knob->maximum)) {
             kernel->cell = &knob->wanted[i] - kernel->cells;
             return OUTCOME_RANGE;
         }

@@ -172,21 +172,22 @@ EXPORT void fmi3FreeInstance(Foreign *instance) { (void)HOOK(instance, "FreeInst
         return 0;                                                                                 \
     }
 
+/* An array lies at its reference and those that follow. */
 #define ACCESS3(NAME, TYPE, FIELD)                                                                \
     EXPORT int fmi3Get##NAME(Foreign *instance, const uint32_t *r, size_t n, TYPE *values,        \
                              size_t m)                                                            \
     {                                                                                             \
         ENTER("Get" #NAME);                                                                       \
-        for (size_t i = 0; i < n; i++)                                                            \
-            values[i] = (TYPE)instance->FIELD[r[i]];                                              \
+        for (size_t i = 0; i < m; i++)                                                            \
+            values[i] = (TYPE)instance->FIELD[r[i / (m / n)] + i % (m / n)];                      \
         return 0;                                                                                 \
     }                                                                                             \
     EXPORT int fmi3Set##NAME(Foreign *instance, const uint32_t *r, size_t n, const TYPE *values,  \
                              size_t m)                                                            \
     {                                                                                             \
         ENTER("Set" #NAME);                                                                       \
-        for (size_t i = 0; i < n; i++)                                                            \
-            instance->FIELD[r[i]] = values[i];                                                    \
+        for (size_t i = 0; i < m; i++)                                                            \
+            instance->FIELD[r[i / (m / n)] + i % (m / n)] = values[i];                            \
         return 0;                                                                                 \
     }
 
