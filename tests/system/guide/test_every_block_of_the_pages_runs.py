@@ -64,6 +64,7 @@ NOT_RUN = {
 }
 """By page and how a line begins: why it is not run."""
 BEFORE = {
+    "docs/people.md": ["cohaptic run two_users_box --out=runs/mine"],
     "docs/record.md": [
         f"cohaptic run two_users_box --set duration=2.5 --set 'expect=~' --out=runs/{name}"
         for name in ("one", "other")
