@@ -110,10 +110,7 @@ def test_a_page_without_the_token_says_what_to_do(chromium, address):
     context = chromium.new_context()
     page = context.new_page()
     page.goto(address.partition("#")[0])
-    for _ in range(50):
-        if "Not let in" in page.inner_text("#state"):
-            break
-        time.sleep(0.05)
+    page.locator("#state", has_text="Not let in").wait_for()
     assert "open the whole address that cohaptic printed" in page.inner_text("#state")
     context.close()
 

@@ -36,6 +36,8 @@ let ages = new Quantiles();
 let chosen = null;
 let chosenNames = [];
 
+// Before the connection, which a page without a token closes while it is made.
+const sheet = new Sheet($("sheet"), (answer) => connection.say({ sheet: answer }));
 const connection = new Connection(location.hash.slice(1), {
   opened: () => say("Connected."),
   closed: (ever) => {
@@ -72,7 +74,6 @@ globalThis.cohaptic = {
   get measured() { return latency.count; },
   get drawing() { return drawing; },
 };
-const sheet = new Sheet($("sheet"), (answer) => connection.say({ sheet: answer }));
 const hand = new Hand($("scene"), scene, (message) => connection.say(message));
 
 function say(text) {
