@@ -8,7 +8,7 @@ environment of their own in the cache, as the registry has them; MasterSim is in
 ``--mastersim`` gives its program. Every run of a peer is a process of its own, rounds are
 interleaved, and what is printed are microseconds a tick and the ratio to a bare C loop over the
 same FMUs, which writes a binary log where the others record. A peer whose last values are not ours,
-bit for bit, is shown as such; exit status 1 where one differs that is known to agree.
+bit for bit, is shown as such; exit status 1 where one that is known to agree differs or fails.
 """
 
 from __future__ import annotations
@@ -43,6 +43,17 @@ class Case:
     scenario: Scenario
 
 
+@dataclass(frozen=True)
+class Asked:
+    """Whom, in which Python, about which system, and what we give for it."""
+
+    python: Path
+    peers: list[Peer]
+    system: Path
+    expected: dict[str, float]
+    mastersim: str
+
+
 def main() -> int:
     options = arguments().parse_args()
     peers = [PEERS[name] for name in options.peers]
@@ -50,26 +61,25 @@ def main() -> int:
         peers.append(PEERS["mastersim"])
     python = environment(peers)
     rows: list[Row] = []
-    wrong: set[str] = set()
     with tempfile.TemporaryDirectory() as name:
         for case in cases(options.sizes, options.ticks, Path(name)):
+            system, expected = last_values(case.scenario)
+            given = system.write(Path(name) / "system.json")
+            asked = Asked(python, peers, given, expected, options.mastersim)
             for recorded in (False, True):
                 title = f"{case.name}, {'recorded' if recorded else 'no record'}"
                 ticks = case.scenario.ticks
                 print(f"{title}: {case.size} FMUs, {ticks} ticks, {options.rounds} rounds")
-                found = compare(case, peers, python, options, Path(name), recorded=recorded)
+                found = compare(case, title, asked, options.rounds, recorded=recorded)
                 printed(found)
                 rows += found
-                expected = {peer.name for peer in peers if case.kind in peer.computes}
-                wrong |= {
-                    f"{row.who} in {case.name}: {row.remark}"
-                    for row in found
-                    if row.who in expected and row.remark and row.microseconds
-                }
     if options.plot:
         drawn(rows, options.plot)
-    for each in sorted(wrong):
-        print(f"known to compute the same: {each}", file=sys.stderr)
+    wrong = [row for row in rows if row.is_wrong]
+    for row in wrong:
+        print(
+            f"known to compute the same: {row.who} in {row.system}: {row.remark}", file=sys.stderr
+        )
     return 1 if wrong else 0
 
 
@@ -95,46 +105,47 @@ def cases(sizes: list[int], ticks: int | None, folder: Path) -> Iterator[Case]:
     yield Case("two users", "two users", 10, two_users(ticks or 4096))
 
 
-def compare(
-    case: Case,
-    peers: list[Peer],
-    python: Path,
-    options: argparse.Namespace,
-    folder: Path,
-    *,
-    recorded: bool,
-) -> list[Row]:
-    """Everybody in turn, ``options.rounds`` times; the least of each."""
-    system, expected = last_values(case.scenario)
-    given = system.write(folder / "system.json")
+def compare(case: Case, title: str, asked: Asked, rounds: int, *, recorded: bool) -> list[Row]:
+    """Everybody in turn, ``rounds`` times; the least of each."""
     seconds: dict[str, list[float]] = {}
     remarks: dict[str, str] = {}
-    for number in range(options.rounds):
+    wrong: set[str] = set()
+    for number in range(rounds):
         master, bare = times(case.scenario, recorded=recorded)
         seconds.setdefault(BARE, []).append(bare)
         seconds.setdefault("cohaptic", []).append(master)
-        for peer in peers:
+        for peer in asked.peers:
             name = peer.name
             if name in remarks and name not in seconds:
                 continue  # it could not, and will not
-            record = folder / f"{name}-{number}-{case.name}-{case.size}" if recorded else None
-            answer = ask(python, peer, given, record, options.mastersim)
-            remarks |= {name: why} if (why := different(answer, expected, peer.digits)) else {}
-            if not answer.cannot:
+            record = asked.system.with_name(f"{name}-{number}-{title}") if recorded else None
+            answer = ask(asked.python, peer, asked.system, record, asked.mastersim)
+            differs = answer.failed or different(answer, asked.expected, peer.digits)
+            if differs or answer.cannot:
+                remarks[name] = differs or answer.cannot
+            if differs and case.kind in peer.computes:
+                wrong.add(name)
+            if answer.seconds:
                 seconds.setdefault(name, []).append(answer.seconds)
-    rows: list[Row] = []
-    for name in (BARE, "cohaptic", *(peer.name for peer in peers)):
-        least = min(seconds.get(name, [0.0])) / case.scenario.ticks * 1e6
-        title = f"{case.name}, {'recorded' if recorded else 'no record'}"
-        ratio = least / (min(seconds[BARE]) / case.scenario.ticks * 1e6)
-        rows.append(Row(title, case.size, name, least, ratio, remarks.get(name, "")))
-    return rows
+    base = min(seconds[BARE])
+    return [
+        Row(
+            system=title,
+            size=case.size,
+            who=name,
+            microseconds=(least := min(seconds.get(name, [0.0]))) / case.scenario.ticks * 1e6,
+            ratio=least / base,
+            remark=remarks.get(name, ""),
+            is_wrong=name in wrong,
+        )
+        for name in (BARE, "cohaptic", *(peer.name for peer in asked.peers))
+    ]
 
 
 def different(answer: Answer, expected: dict[str, float], digits: int) -> str:
-    """What is to be said of an answer; nothing where it is ours in all the digits that it has."""
+    """What a peer gives otherwise than we; nothing where it gives the same in all its digits."""
     if answer.cannot:
-        return answer.cannot
+        return ""
     for (name, ours), theirs in zip(expected.items(), answer.values, strict=True):
         if float(f"{ours:.{digits}g}") != theirs:
             return f"differs: {name} is {theirs!r}, here {ours!r}"

@@ -51,9 +51,8 @@ def main() -> int:
             table["cohaptic"].append(said(next(iter(ours.values())), begun))
             for master in masters:
                 answer = ask(python, master, given, None, options.mastersim)
-                table[master.name].append(
-                    answer.cannot if answer.cannot else said(answer.values[0], begun)
-                )
+                why = answer.cannot or answer.failed
+                table[master.name].append(why or said(answer.values[0], begun))
         titles = [title for title, _, _ in questions(Path(name))]
     print("| | " + " | ".join(titles) + " |")
     print("|" + "---|" * (len(titles) + 1))

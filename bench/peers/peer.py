@@ -52,6 +52,9 @@ class Answer:
     seconds: float = 0.0
     values: tuple[float, ...] = ()
     cannot: str = ""
+    """What it has no way to do."""
+    failed: str = ""
+    """How it ended that should not have."""
 
 
 def environment(asked: Iterable[Peer]) -> Path:
@@ -78,7 +81,7 @@ def ask(python: Path, peer: Peer, system: Path, record: Path | None, mastersim: 
     lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or not lines:
         said = [line for line in (done.stderr + done.stdout).splitlines() if line.strip()]
-        return Answer(cannot=f"it failed: {said[-1][:160] if said else done.returncode}")
+        return Answer(failed=f"it failed: {said[-1][:160] if said else done.returncode}")
     found = json.loads(lines[-1])
     if why := found.get("cannot"):
         return Answer(cannot=why)

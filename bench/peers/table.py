@@ -20,6 +20,8 @@ class Row:
     ratio: float
     remark: str = ""
     """What it computed otherwise, or why it could not be asked."""
+    is_wrong: bool = False
+    """Whether that is so although it is known to compute the same."""
 
 
 def printed(rows: Iterable[Row]) -> None:
