@@ -15,7 +15,6 @@ from cosim.identification.results import identify as identify_recordings
 from cosim.identification.samples import Described, Recording
 from cosim.reading import load
 from cosim.record import open_run
-from cosim.record.reader import SCENARIO_FILE
 
 HEAVIEST = 1.0
 """kg on the tip: more is no desktop device's."""
@@ -60,9 +59,7 @@ def identify(
         for folder in folders:
             run = stack.enter_context(open_run(folder))
             name = component_of(run, component)
-            if not (folder / SCENARIO_FILE).exists():
-                raise InputError(f"{folder} has no {SCENARIO_FILE}: what ran there is not known.")
-            scenario = load(str(folder / SCENARIO_FILE))
+            scenario = load(run.scenario_file)
             this = described(scenario, name, None if device is None else Path(device))
             if known is not None and this.bar != known.bar:
                 raise InputError(f"{folder} is of a device of another size than {folders[0]}.")

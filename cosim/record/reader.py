@@ -126,6 +126,19 @@ class Run:
         path = self.folder / SCENARIO_FILE
         return path.read_text(encoding="utf-8") if path.exists() else ""
 
+    @property
+    def scenario_file(self) -> Path:
+        """Where the resolved scenario that ran is written.
+
+        Raises:
+            InputError: the folder has none.
+        """
+        if not self.scenario_yaml:
+            raise InputError(
+                f"{self.folder} has no {SCENARIO_FILE}, so that nobody knows what ran."
+            )
+        return self.folder / SCENARIO_FILE
+
     def to_dataframe(self, *patterns: str) -> Any:
         """A pandas table: a row a time (s), a column a signal, slower signals held.
 

@@ -117,7 +117,7 @@ def _recorded(
         for folder in folders:
             run = stack.enter_context(open_run(folder))
             names = _coordinates(run, fingers, folder)
-            stations |= dict.fromkeys(_stations(folder))
+            stations |= dict.fromkeys(_stations(run))
             first = run[names[0][0]]
             ratio = first.group.rate / rate
             if ratio.denominator != 1:
@@ -162,15 +162,12 @@ def _coordinates(run: Run, fingers: tuple[str, ...], folder: Path) -> list[tuple
     return [pair for finger in fingers or there for pair in there[finger]]
 
 
-def _stations(folder: Path) -> list[str]:
+def _stations(run: Run) -> list[str]:
     """The components of a run that take a predictor."""
     from cosim.reading import load
-    from cosim.record.reader import SCENARIO_FILE
 
-    if not (folder / SCENARIO_FILE).exists():
-        raise InputError(f"{folder} has no {SCENARIO_FILE}: what ran there is not known.")
     takes = {"distributed_workstation", "central_server"}
-    parts = load(str(folder / SCENARIO_FILE)).components.items()
+    parts = load(run.scenario_file).components.items()
     return [name for name, part in parts if part.is_bundled and part.source in takes]
 
 

@@ -37,16 +37,14 @@ def command(run: Path, *, out: Path | None, as_json: bool) -> None:
     from cosim.cli.support.child import run_in_child
     from cosim.cli.support.devices import say
     from cosim.reading import load
-    from cosim.record.reader import SCENARIO_FILE, open_run
+    from cosim.record.reader import open_run
 
     with open_run(run) as opened:
         ticks = opened.ticks
-        if not opened.scenario_yaml:
-            raise InputError(f"{run} has no {SCENARIO_FILE}, so that nobody knows what ran.")
-        folder = opened.folder
+        written, folder = opened.scenario_file, opened.folder
     if ticks == 0:
         raise InputError(f"{run} holds no tick that could be compared.")
-    scenario = with_playback(load(folder / SCENARIO_FILE), folder)
+    scenario = with_playback(load(written), folder)
     with tempfile.TemporaryDirectory(prefix="cohaptic-") as scratch:
         finished = run_in_child(
             scenario,
