@@ -28,7 +28,7 @@ from hil.setup.device_file import parse as parse_file
 from hil.setup.registry import find
 from hil.wire import can_bus
 from hil.wire.socketcan import SocketCanPort
-from tests.support.hil.motor_wire import MotorBus, nullcontext
+from tests.support.hil.motor_wire import MotorBus
 from tests.support.hil.motors.boards import BOARDS
 from tests.support.hil.motors.slcan import Lines, line
 
@@ -46,7 +46,7 @@ class Port(SocketCanPort):
 
     def for_set_up(self) -> Any:
         """The package ``canopen`` sets the nodes up through the same port."""
-        return nullcontext(MotorBus(self))  # type: ignore[arg-type]
+        return MotorBus(self)  # type: ignore[arg-type]
 
 
 def serve(board: str, end: socket.socket) -> None:
@@ -68,9 +68,12 @@ def serve(board: str, end: socket.socket) -> None:
         while time.monotonic() - last >= TICK:
             last += TICK
             told += motors.tick()
-        for each in told:
-            for name, content in lines.frames(each.answer):
-                end.send(FRAME.pack(name, len(content), content))
+        try:
+            for each in told:
+                for name, content in lines.frames(each.answer):
+                    end.send(FRAME.pack(name, len(content), content))
+        except ConnectionError:
+            os._exit(0)
 
 
 def measured(

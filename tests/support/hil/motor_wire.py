@@ -10,7 +10,7 @@ import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -153,7 +153,7 @@ class MotorPort:
         return CanFrame(*self._frames.popleft()) if self._frames else None
 
     def for_set_up(self) -> Any:
-        return nullcontext(MotorBus(self))
+        return MotorBus(self)
 
     def close(self) -> None: ...
 
