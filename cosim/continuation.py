@@ -199,15 +199,19 @@ class Compared:
             InputError: the run recorded something else.
         """
         self._groups = groups
+        if gone := set(self._run.groups) - {group.name for group in groups}:
+            raise InputError(
+                f"{self._run.folder} has the group {min(gone)} recorded, which this run has not."
+            )
         for group in groups:
             there = self._run.groups.get(group.name)
-            names = {column.name for column in group.columns}
-            texts = {text.name for text in group.texts}
+            columns = {(each.name, each.unit or "", each.is_float) for each in group.columns}
+            texts = {(each.name, each.is_binary) for each in group.texts}
             if (
                 there is None
                 or there.period != group.period
-                or set(there.signals) != names
-                or set(there.texts) != texts
+                or {(e.name, e.unit, e.is_float) for e in there.signals.values()} != columns
+                or {(e.name, e.column.is_binary) for e in there.texts.values()} != texts
             ):
                 raise InputError(
                     f"{self._run.folder} has something else recorded in the group {group.name}."

@@ -17,7 +17,7 @@ from cosim.cli.support.values import PLOTS, OutputFile
 
 if TYPE_CHECKING:
     from cosim.record.reader import Run
-    from cosim.report.comparison import Change, RunComparison
+    from cosim.report.comparison import Change, RunComparison, SignalDifference
 
 SHOWN = 12
 DRAWN = 4
@@ -44,8 +44,8 @@ def command(one: Path, other: Path, *, figure: Path | None, as_json: bool) -> No
     with ExitStack() as stack:
         runs = [stack.enter_context(open_run(folder)) for folder in (one, other)]
         found = compare_runs(*runs)
-        if figure is not None and found.signals:
-            _draw(runs, [each.name for each in found.signals[:DRAWN]], figure)
+        if figure is not None:
+            _draw(runs, found, figure)
         if as_json:
             click.echo(json.dumps({"equal": found.are_equal, **asdict(found)}))
         else:
@@ -53,7 +53,11 @@ def command(one: Path, other: Path, *, figure: Path | None, as_json: bool) -> No
     sys.exit(int(not found.are_equal))
 
 
-def _draw(runs: list[Run], names: list[str], figure: Path) -> None:
+def _draw(runs: list[Run], found: RunComparison, figure: Path) -> None:
+    names = [each.name for each in found.signals if not each.is_text][:DRAWN]
+    if not names:
+        click.echo(f"{figure}: nothing is drawn, since no number differs.", err=True)
+        return
     from fractions import Fraction
 
     from cosim.plot.figure import draw
@@ -69,6 +73,7 @@ def _lines(found: RunComparison, runs: list[Run]) -> list[str]:
         ("scenario", found.scenario),
         ("versions", found.versions),
         ("measures", found.measures),
+        ("recorded", found.recorded),
     ):
         lines += _section(title, changes)
     for run, names in zip(runs, found.only_in, strict=True):
@@ -80,23 +85,31 @@ def _lines(found: RunComparison, runs: list[Run]) -> list[str]:
         lines.append(f"{found.lengths[0]} ticks, and {found.lengths[1]}")
     if found.signals:
         first = found.signals[0]
-        time = float(first.tick / runs[0].base_rate)
+        time = float((runs[0].start_tick + first.tick) / runs[0].base_rate)
         lines.append(
             f"{len(found.signals)} signals differ, first {first.name} at tick {first.tick} "
             f"(t = {time:g} s)"
         )
         width = max(len(each.name) for each in found.signals[:SHOWN])
         lines += [
-            f"  {each.name.ljust(width)}  since tick {each.tick}, {each.rows} rows"
-            + ("" if each.is_text else f", by up to {each.largest:.3g} {each.unit}".rstrip())
+            f"  {each.name.ljust(width)}  since tick {each.tick}, {each.rows} rows{_by(each)}"
             for each in found.signals[:SHOWN]
         ]
         if len(found.signals) > SHOWN:
             lines.append(f"  and {len(found.signals) - SHOWN} more")
     else:
+        alike = "of what was recorded alike, " if found.recorded else ""
         length = min(found.lengths)
-        lines.append(f"no value differs in the first {length} ticks, bit for bit")
+        lines.append(f"{alike}no value differs in the first {length} ticks, bit for bit")
     return lines
+
+
+def _by(signal: SignalDifference) -> str:
+    if signal.is_text:
+        return ""
+    if signal.largest is None:
+        return ", where one is not a number"
+    return f", by up to {signal.largest:.3g} {signal.unit}".rstrip()
 
 
 def _section(title: str, changes: list[Change]) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import operator
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,36 +10,37 @@ from typing import Any
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.recorded.conditions import STATUS, Condition
 from cosim.cli.support.command import JsonCommand
-
-COMPARISONS = (">=", "<=", "!=", "=", ">", "<")
+from cosim.cli.support.terminal.complete import run_folders
 
 
 @click.command("runs", cls=JsonCommand)
-@click.argument("folder", default="runs", type=click.Path(path_type=Path))
+@click.argument(
+    "folder", default="runs", type=click.Path(path_type=Path), shell_complete=run_folders
+)
 @click.option(
     "--where",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Only runs of which this holds; =, !=, <, >, <= and >= of a measure (drift<0.002), of "
-    "status or scenario, or of a place in the scenario (vr_a.mass=0.4, lan.loss>0); may be "
-    "repeated.",
+    help="Only runs of which this holds; =, !=, <, >, <= and >= of a measure ('drift<2 mm'), of "
+    "status (good, failed, refused), scenario, started or simulated_time, or of a place in the "
+    "scenario (vr_a.mass=0.4, lan.loss>0), in SI units where none is named; may be repeated.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def command(folder: Path, *, where: tuple[str, ...], as_json: bool) -> None:
     """List the runs in FOLDER and below it, the newest last."""
-    conditions = [_condition(text) for text in where]
-    found = [
-        facts
-        for facts in sorted(_runs(folder), key=lambda facts: facts["started"])
-        if all(_holds(facts, *condition) for condition in conditions)
-    ]
+    conditions = [Condition.read(text) for text in where]
+    every = sorted(_runs(folder), key=lambda facts: facts["started"])
+    held = [condition.holds(every, folder) for condition in conditions]
+    found = [facts for facts, *each in zip(every, *held, strict=True) if all(each)]
     if as_json:
         click.echo(json.dumps({"runs": found}))
         return
     if not found:
         click.echo(f"no run in {folder}" + (" of which that holds" if where else ""))
         return
+    endings = {status: word for word, status in STATUS.items()}
     rows = [("run", "scenario", "started", "time", "status", "")]
     rows += [
         (
@@ -48,7 +48,7 @@ def command(folder: Path, *, where: tuple[str, ...], as_json: bool) -> None:
             facts["scenario"],
             facts["started"][:16].replace("T", " "),
             f"{facts['simulated_time']:g} s",
-            "good" if facts["status"] == 0 else "failed" if facts["status"] == 1 else "refused",
+            endings.get(facts["status"], "refused"),
             facts["message"].splitlines()[0] if facts["message"] else "",
         )
         for facts in found
@@ -86,61 +86,3 @@ def _facts(folder: Path, manifest: Mapping[str, Any]) -> dict[str, Any]:
         "measures": content.get("measures", {}),
         "failures": content.get("failures", []),
     }
-
-
-def _condition(text: str) -> tuple[str, str, str]:
-    for sign in COMPARISONS:
-        name, found, value = text.partition(sign)
-        if found and name.strip() and value.strip():
-            return name.strip(), sign, value.strip()
-    raise InputError(f"--where {text}: write NAME=VALUE, such as drift<0.002 or vr_a.mass=0.4.")
-
-
-def _holds(facts: Mapping[str, Any], name: str, sign: str, wanted: str) -> bool:
-    if name in facts["measures"]:
-        actual: Any = facts["measures"][name]
-    elif name in {"scenario", "status", "started", "simulated_time"}:
-        actual = facts[name]
-    else:
-        actual = _written(Path(facts["folder"]), name)
-    if actual is None:
-        return False
-    try:
-        return _compare(float(actual), sign, float(wanted))
-    except (TypeError, ValueError):
-        return _compare(str(actual), sign, wanted)
-
-
-def _compare(one: Any, sign: str, other: Any) -> bool:
-    holds = {
-        "=": operator.eq,
-        "!=": operator.ne,
-        "<": operator.lt,
-        ">": operator.gt,
-        "<=": operator.le,
-        ">=": operator.ge,
-    }[sign]
-    return bool(holds(one, other))
-
-
-def _written(folder: Path, name: str) -> Any:
-    """What stands at a place in the resolved scenario; ``None`` where nothing does."""
-    from cosim.base.document.yaml_reader import parse_yaml
-    from cosim.record.reader import SCENARIO_FILE
-
-    file = folder / SCENARIO_FILE
-    if not file.is_file():
-        return None
-    root = parse_yaml(file.read_text(encoding="utf-8"), str(file))
-    first, _, rest = name.partition(".")
-    for path in (
-        name.split("."),
-        ["components", first, "parameters", rest],
-        ["components", first, *rest.split(".")],
-        ["channels", first, *rest.split(".")],
-    ):
-        keys = tuple(path)
-        node, depth = root.find(keys)
-        if depth == len(keys) and not node.is_mapping:
-            return node.plain()
-    return None

@@ -10,6 +10,7 @@ import h5py
 import pytest
 from click.testing import CliRunner
 
+from cosim.base.errors import InputError
 from cosim.cli import record
 from cosim.cli.recorded import compare, replay
 from cosim.cli.recorded import listing as runs
@@ -126,6 +127,27 @@ def test_runs_are_found_by_value(folder: Path) -> None:
     assert names("object_1.mass=0.5") == {"heavier"}
     assert names("components.object_1.parameters.mass<0.45", "duration>0.26") == {"longer"}
     assert names("lan.loss.forward>0", "object_1.mass!=0.4") == {"heavier"}
-    assert names("nothing=1") == set()
+    assert names("object_1.mass<450 g", "duration>=300 ms") == {"longer"}
+    assert names("scenario!=single_axis_distributed") == set()
+    assert names("status=good") == names("started>2020", "simulated_time<1 min") == names()
+    assert names("status=failed") == names("drift<2 mm") == set()
     assert "no run" in invoke(runs, folder, "--where", "seed=99")[1]
     assert "heavier" in invoke(runs, folder)[1]
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ("nothing=1", "has 'nothing'"),
+        ("drfit<2 mm", "Did you mean drift?"),
+        ("drift<2 s", "does not convert to m"),
+        ("object_1.mass=heavy", "is a number"),
+        ("object_1.mass<2 kgs", "is a number"),
+        ("scenario>single_user", "is compared by = and !="),
+        ("drift", "write NAME=VALUE"),
+        ("=3", "write NAME=VALUE"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(where: str, words: str, folder: Path) -> None:
+    with pytest.raises(InputError, match=words):
+        invoke(runs, folder, "--where", "seed=99", "--where", where)
