@@ -148,12 +148,15 @@ def table_command(*, plan: Path, out: Path | None, file: Path | None, as_json: b
     write_columns(columns_of(rows), {}, file)
     found = thresholds(study, folder)
     left_out = sum(bool(row["excluded"]) for row in rows)
+    kinds = {row["emulated"] for row in rows}
     if as_json:
         plain = {c: {who: asdict(t) for who, t in by.items()} for c, by in found.items()}
         facts = {"table": str(file), "trials": len(rows), "excluded": left_out}
         click.echo(json.dumps({**facts, "thresholds": plain}))
         return
     click.echo(f"{file}: {len(rows)} trials, {left_out} of them excluded")
+    if len(kinds) == 2 and found:
+        click.echo("  what follows is of people; emulated participants are in the table alone")
     unit = study.form.staircase.unit if study.form.staircase else ""
     for condition, by_person in found.items():
         every = by_person["all"]
@@ -180,10 +183,11 @@ def exclude_command(
 
 
 def _opened(plan: Path, out: Path | None) -> tuple[StudyPlan, StudyFolder]:
+    from cosim.report.measures import SCENARIO_MEASURES
     from cosim.study.folder import StudyFolder
     from cosim.study.plan import read_study
 
     if not plan.is_file():
         raise InputError(f"there is no plan {plan}.")
-    study = read_study(plan)
+    study = read_study(plan, SCENARIO_MEASURES)
     return study, StudyFolder(Path("studies") / study.name if out is None else out)

@@ -14,6 +14,9 @@ from cosim.study.log import Entry, StepLog, read_lines
 from cosim.study.plan import StudyPlan
 
 STUDY_FILE, PEOPLE_FILE, EXCLUSIONS_FILE = "study.json", "people.jsonl", "exclusions.jsonl"
+PLAN_FILE, STUDY_PART = "plan.yaml", "study.json.part"
+BEGUN = frozenset({PLAN_FILE, STUDY_PART})
+"""What is there of a study that was cut off before it began."""
 CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
 
@@ -31,23 +34,26 @@ class StudyFolder:
         """
         file = self.path / STUDY_FILE
         if file.is_file():
-            known = json.loads(file.read_text(encoding="utf-8"))
-            if known.get("plan_sha256") != plan.digest:
+            if _plan_of(file) != plan.digest:
                 raise InputError(
                     f"{plan.file} is not the plan that the study in {self.path} began with; a "
                     "study keeps its plan. Put it back, or begin another study with --out."
                 )
             return
-        if self.path.is_dir() and any(self.path.iterdir()):
+        if self.path.is_dir() and any(each.name not in BEGUN for each in self.path.iterdir()):
             raise InputError(f"{self.path} is not empty and holds no study; choose another folder.")
         with writing(file):
             self.path.mkdir(parents=True, exist_ok=True)
-            (self.path / "plan.yaml").write_bytes(plan.file.read_bytes())
+            (self.path / PLAN_FILE).write_bytes(plan.file.read_bytes())
             about = {"study": 1, "title": plan.form.title, "plan_sha256": plan.digest}
-            file.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+            part = self.path / STUDY_PART
+            part.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+            part.replace(file)  # the last thing: a folder without it is begun again
 
-    def number_of(self, code: str) -> int:
+    def number_of(self, code: str, *, emulated: bool) -> int:
         """Which participant this is, from 0; the next free number the first time.
+
+        Those who are emulated are counted apart: no place of an order is spent on nobody.
 
         Raises:
             InputError: it is no code, or another session is writing.
@@ -58,8 +64,9 @@ class StudyFolder:
             for entry in people.entries:
                 if entry["code"] == code:
                     return int(entry["number"])
-            number = len(people.entries)
-            people.append({"code": code, "number": number, "since": now()})
+            number = sum(entry.get("emulated", False) is emulated for entry in people.entries)
+            entry = {"code": code, "number": number, "emulated": emulated, "since": now()}
+            people.append(entry)
             return number
 
     def codes(self) -> list[str]:
@@ -95,6 +102,18 @@ class StudyFolder:
             if entry["code"] == code and entry["trial"] in {None, trial}
         ]
         return "; ".join(reasons)
+
+
+def _plan_of(file: Path) -> str:
+    """The SHA-256 of the plan that a study began with.
+
+    Raises:
+        InputError: the file is none of a study.
+    """
+    try:
+        return str(json.loads(file.read_text(encoding="utf-8"))["plan_sha256"])
+    except (OSError, ValueError, TypeError, KeyError):
+        raise InputError(f"{file} cannot be read as that of a study; put it back.") from None
 
 
 def now() -> str:

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.base.document.form import read_form
+from cosim.base.document.problems import Problems
 from cosim.base.document.yaml_reader import read_yaml
-from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.scenario.source.find import find_file
 from cosim.study.form import ConditionForm, QuestionForm, StaircaseForm, StudyForm
+from cosim.study.questions import NASA_TLX
+
+OF_A_TRIAL = ("trial", "condition", "repetition", "value", "seed")
+OF_ITS_END = ("status", "shown_seconds", "answered_seconds", "started")
+"""What the log has of each trial, and the table too."""
+COLUMNS = frozenset(
+    {"participant", "number", "emulated", "run", "excluded", "tlx", *NASA_TLX}
+    | {*OF_A_TRIAL, *OF_ITS_END}
+)
+"""Columns of the table; those of answers and measures come to them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,67 +46,83 @@ class StudyPlan:
         return beside if beside.is_file() else find_file(named)
 
 
-def read_study(file: Path) -> StudyPlan:
-    """A plan from its file.
+def read_study(file: Path, measures: Collection[str] = ()) -> StudyPlan:
+    """A plan from its file; ``measures`` are those of its runs, which are columns of the table.
 
     Raises:
         InputError: everything that is wrong with it, each with its place.
     """
-    form = read_form(StudyForm, read_yaml(file, str(file)), "a study's plan")
+    root = read_yaml(file, str(file))
+    form = read_form(StudyForm, root, "a study's plan")
     plan = StudyPlan(file, form, hashlib.sha256(file.read_bytes()).hexdigest())
+    problems = Problems(root)
     for name, question in form.questions.items():
-        _judge_question(file, name, question)
+        if name in {*COLUMNS, *measures}:
+            what = f"{name}: the table has a column of that name; choose another."
+            problems.add(("questions", name), what, at_key=True)
+        for sentence in _wrong_with(question):
+            problems.add(("questions", name), f"questions.{name}: {sentence}", at_key=True)
     if form.staircase is not None:
-        _judge_staircase(file, form.staircase, form.questions)
+        _judge_staircase(problems, form.staircase, form.questions)
     if form.emulated is not None:
-        _judge_emulated(file, form)
-    for condition in form.conditions:
-        plan.scenario_of(condition)
+        _judge_emulated(problems, form)
+    for condition, written in form.conditions.items():
+        own = ("conditions", condition, "scenario")
+        with problems.at(own if written.scenario else ("scenario",)):
+            plan.scenario_of(condition)
+    problems.raise_if_any()
     return plan
 
 
-def _judge_question(file: Path, name: str, question: QuestionForm) -> None:
-    where = f"{file}: questions.{name}"
-    ranged = question.least is not None or question.most is not None
-    if question.kind == "scale" and (question.least is None or question.most is None):
-        raise InputError(f"{where}: a scale has 'least' and 'most'.")
-    if question.kind not in {"scale", "number"} and ranged:
-        raise InputError(f"{where}: 'least' and 'most' are of a scale or a number.")
-    if ranged and None not in (question.least, question.most):
-        assert question.least is not None
-        assert question.most is not None
-        if question.least >= question.most:
-            raise InputError(f"{where}: 'least' is not below 'most'.")
-    if question.step is not None and question.least is None:
-        raise InputError(f"{where}: 'step' is counted from 'least', which is not there.")
-    if question.kind == "choice" and len(set(question.labels)) < 2:
-        raise InputError(f"{where}: a choice has two 'labels' or more, all different.")
-    if question.kind == "scale" and len(question.labels) not in {0, 2}:
-        raise InputError(f"{where}: a scale has two 'labels', what its ends mean, or none.")
-    if question.kind not in {"choice", "scale"} and question.labels:
-        raise InputError(f"{where}: 'labels' are of a choice or a scale.")
+def _wrong_with(question: QuestionForm) -> Iterator[str]:
+    low, high, kind = question.least, question.most, question.kind
+    if kind == "scale" and (low is None or high is None):
+        yield "a scale has 'least' and 'most'."
+    if kind not in {"scale", "number"} and not (low is None and high is None):
+        yield "'least' and 'most' are of a scale or a number."
+    if low is not None and high is not None and low >= high:
+        yield "'least' is not below 'most'."
+    if question.step is not None and low is None:
+        yield "'step' is counted from 'least', which is not there."
+    if kind == "choice" and (len(question.labels) < 2 or _has_twice(question.labels)):
+        yield "a choice has two 'labels' or more, all different."
+    if kind == "scale" and len(question.labels) not in {0, 2}:
+        yield "a scale has two 'labels', what its ends mean, or none."
+    if kind not in {"choice", "scale"} and question.labels:
+        yield "'labels' are of a choice or a scale."
+
+
+def _has_twice(labels: Sequence[str]) -> bool:
+    """Also what nobody could type: answers are taken without the space around them."""
+    return len({label.strip() for label in labels} - {""}) < len(labels)
 
 
 def _judge_staircase(
-    file: Path, rule: StaircaseForm, questions: Mapping[str, QuestionForm]
+    problems: Problems, rule: StaircaseForm, questions: Mapping[str, QuestionForm]
 ) -> None:
-    where = f"{file}: staircase"
     if not rule.least <= rule.start <= rule.most or rule.least == rule.most:
-        raise InputError(f"{where}: write least < most, and start between them.")
+        problems.add(
+            ("staircase", "start"), "staircase: write least < most, and start between them."
+        )
     asked = questions.get(rule.answer)
     if asked is None or asked.kind != "yes_no":
         hint = did_you_mean(rule.answer, [n for n, q in questions.items() if q.kind == "yes_no"])
-        raise InputError(f"{where}: answer: '{rule.answer}' is no yes-or-no question.{hint}")
+        problems.add(
+            ("staircase", "answer"),
+            f"staircase: answer: '{rule.answer}' is no yes-or-no question.{hint}",
+        )
 
 
-def _judge_emulated(file: Path, form: StudyForm) -> None:
+def _judge_emulated(problems: Problems, form: StudyForm) -> None:
     assert form.emulated is not None
     given, known = set(form.emulated.threshold), set(form.conditions)
     if form.staircase is None:
-        raise InputError(f"{file}: emulated: it notices a staircase's value, and there is none.")
+        what = "emulated: it notices a staircase's value, and there is none."
+        problems.add(("emulated",), what, at_key=True)
     if given != known:
         odd = ", ".join(sorted(given ^ known))
-        raise InputError(f"{file}: emulated.threshold: name every condition and no other ({odd}).")
+        what = f"emulated.threshold: name every condition and no other ({odd})."
+        problems.add(("emulated", "threshold"), what, at_key=True)
 
 
 def condition_sets(plan: StudyPlan, condition: str) -> list[str]:

@@ -48,8 +48,9 @@ def parse_answer(question: QuestionForm, text: str) -> Answer:
                 return False
             raise ValueError("Answer y or n.")
         case "choice":
-            if given in question.labels:
-                return given
+            for label in question.labels:
+                if label.strip() == given:
+                    return label
             raise ValueError(f"Answer {', '.join(question.labels[:-1])} or {question.labels[-1]}.")
         case "text":
             return given
@@ -60,7 +61,7 @@ def parse_answer(question: QuestionForm, text: str) -> Answer:
 def _number(question: QuestionForm, given: str) -> float:
     low = -math.inf if question.least is None else question.least
     high = math.inf if question.most is None else question.most
-    limits = f" from {low:g} to {high:g}" if math.isfinite(low + high) else ""
+    limits = f" {limits}" if (limits := limits_of(question)) else ""
     whole = question.kind == "scale" and question.step is None
     kind = "a whole number" if whole else "a number"
     steps = "" if question.step is None else f" in steps of {question.step:g}"
@@ -72,6 +73,14 @@ def _number(question: QuestionForm, given: str) -> float:
     if not low <= value <= high or not _is_on_step(value, origin, step):
         raise ValueError(f"Answer {kind}{limits}{steps}.")
     return value
+
+
+def limits_of(question: QuestionForm) -> str:
+    """Between what its numbers lie, for people; empty where anything is one."""
+    low, high = question.least, question.most
+    if low is None:
+        return "" if high is None else f"up to {high:g}"
+    return f"from {low:g} on" if high is None else f"from {low:g} to {high:g}"
 
 
 def _is_on_step(value: float, origin: float, step: float | None) -> bool:

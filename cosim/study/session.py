@@ -53,6 +53,8 @@ class Respondent(Protocol):
         ...
 
 
+LEFT = "\nThe session is left; the same command goes on where it was."
+
 RunTrial = Callable[[StudyTrial, Path], Mapping[str, Any]]
 """Runs a trial into a folder; the content of its summary."""
 
@@ -78,10 +80,11 @@ def take_part(
 
     Raises:
         InputError: the folder is of another plan, or the participant is at work elsewhere.
-        RunError: a trial's run did not come to its end; it is done again the next time.
+        RunError: a trial's run did not come to its end, or somebody leaves; that step is done again
+            the next time.
     """
     folder.begin(plan)
-    number = folder.number_of(code)
+    number = folder.number_of(code, emulated=emulated)
     place = folder.of(code)
     with StepLog(place / "log.jsonl") as log:
         if not log.entries:
@@ -96,7 +99,10 @@ def take_part(
             say(f"{code} goes on after {len(_trials(done))} of {len(head['order'])} trials.")
         session = _Session(plan, place, log, participant, run_trial)
         for step in steps[len(done) :]:
-            log.append(session.do(step))
+            try:
+                log.append(session.do(step))
+            except KeyboardInterrupt:
+                raise RunError(LEFT) from None
         return len(_trials(log.entries[1:]))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from cosim.study.form import StaircaseForm
 
@@ -26,5 +26,13 @@ def next_value(rule: StaircaseForm, past: Sequence[tuple[float, bool]]) -> float
         reversals += direction not in {0, turn}
         direction = turn
         value += turn * rule.steps[min(reversals, len(rule.steps) - 1)]
-        value = min(max(value, rule.least), rule.most)
+        # As somebody would write it: three steps of 0.1 are 0.3.
+        value = min(max(float(f"{value:.15g}"), rule.least), rule.most)
     return value
+
+
+def tried(rule: StaircaseForm) -> Iterable[float]:
+    """Values that tell whether the place can be given any: both ends, the first, and its steps."""
+    around = (rule.start + way * step for step in rule.steps for way in (-1, 1))
+    inside = (value for value in around if rule.least < value < rule.most)
+    return dict.fromkeys((rule.least, rule.start, rule.most, *inside))

@@ -6,7 +6,7 @@ from typing import Any
 
 from cosim.study.folder import StudyFolder
 from cosim.study.log import Entry, read_lines
-from cosim.study.plan import StudyPlan
+from cosim.study.plan import OF_A_TRIAL, OF_ITS_END, StudyPlan
 from cosim.study.questions import tlx_index
 from cosim.study.session import noticed_in
 from cosim.study.threshold import Threshold, estimate
@@ -29,16 +29,21 @@ def columns_of(rows: list[Row]) -> dict[str, list[Any]]:
 
 
 def thresholds(plan: StudyPlan, folder: StudyFolder) -> dict[str, dict[str, Threshold]]:
-    """By condition: of each participant, and of all together as one (``all``)."""
+    """By condition: of each participant, and of all together as one (``all``).
+
+    Emulated participants only where there are no others: nobody's answers are no person's.
+    """
     rule = plan.form.staircase
     if rule is None:
         return {}
+    entries = {code: read_lines(folder.of(code) / "log.jsonl") for code in folder.codes()}
+    people = {code: each for code, each in entries.items() if each and not each[0]["emulated"]}
     found: dict[str, dict[str, Threshold]] = {}
     for condition in plan.form.conditions:
         by_person = {
             code: noticed_in(kept, rule.answer)
-            for code in folder.codes()
-            if (kept := _kept(folder, code, condition))
+            for code, past in (people or entries).items()
+            if (kept := _kept(folder, code, past, condition))
         }
         everybody = [each for past in by_person.values() for each in past]
         if everybody:
@@ -49,10 +54,10 @@ def thresholds(plan: StudyPlan, folder: StudyFolder) -> dict[str, dict[str, Thre
     return found
 
 
-def _kept(folder: StudyFolder, code: str, condition: str) -> list[Entry]:
+def _kept(folder: StudyFolder, code: str, entries: list[Entry], condition: str) -> list[Entry]:
     return [
         entry
-        for entry in read_lines(folder.of(code) / "log.jsonl")
+        for entry in entries
         if entry.get("condition") == condition
         and "trial" in entry
         and not folder.excluded(code, entry["trial"])
@@ -73,12 +78,12 @@ def _of_person(folder: StudyFolder, code: str) -> list[Row]:
                 "participant": code,
                 "number": head["number"],
                 "emulated": head["emulated"],
-                **{k: entry[k] for k in ("trial", "condition", "repetition", "value", "seed")},
+                **{name: entry[name] for name in OF_A_TRIAL},
                 **entry["answers"],
                 **workload,
                 **({"tlx": tlx_index(workload)} if workload else {}),
                 **entry["measures"],
-                **{k: entry[k] for k in ("status", "shown_seconds", "answered_seconds", "started")},
+                **{name: entry[name] for name in OF_ITS_END},
                 "run": f"people/{code}/{entry['run']}",
                 "excluded": folder.excluded(code, entry["trial"]),
             }

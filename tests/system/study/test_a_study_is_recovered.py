@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
-import pty
-import select
 import signal
 import subprocess
 import time
@@ -14,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from cosim.study.questions import NASA_TLX
 from tests.support.command import COHAPTIC, cohaptic
+from tests.support.terminal import Terminal
 
 INJECTED = {"weak": 6.0, "strong": 3.0}
 PLAN = """\
@@ -113,34 +112,23 @@ def test_an_excluded_participant_counts_no_more_and_stays_in_the_table(whole: Pa
     assert sum(after[c]["all"]["trials"] for c in after) == 2 * before - 1
 
 
-class Terminal:
-    """A person: reads what is asked and types."""
+class Sitting(Terminal):
+    """A participant."""
 
-    def __init__(self, folder: Path, *more: str) -> None:
-        self.ours, theirs = pty.openpty()
-        command = [*COHAPTIC, "study", "plan.yaml", "--participant", "H1", "--no-realtime", *more]
-        self.process = subprocess.Popen(
-            command, cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs
-        )
-        os.close(theirs)
-        self.said = ""
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder, "study", "plan.yaml", "--participant", "H1", "--no-realtime")
 
-    def listen_for(self, text: str) -> None:
-        end = time.monotonic() + 60
-        while text not in self.said:
-            assert time.monotonic() < end, self.said
-            if select.select([self.ours], [], [], 0.1)[0]:
-                self.said += os.read(self.ours, 4096).decode(errors="replace")
-        self.said = self.said.partition(text)[2]
-
-    def type(self, text: str) -> None:
-        time.sleep(0.05)  # after the flush of what was typed ahead
-        os.write(self.ours, text.encode())
+    def answer(self, trial: int) -> None:
+        self.listen_for(f"Trial {trial} of")
+        self.listen_for("tremble? (y/n): ")
+        self.type("y\n")
+        self.listen_for("(1 … 7): ")
+        self.type("5\n")
 
 
 def test_a_person_answers_leaves_and_comes_back(tmp_path: Path) -> None:
     (tmp_path / "plan.yaml").write_text(PLAN)
-    sitting = Terminal(tmp_path)
+    sitting = Sitting(tmp_path)
     sitting.listen_for("Did the object tremble? (y/n): ")
     sitting.type("perhaps\n")
     sitting.listen_for("Answer y or n.")
@@ -155,16 +143,71 @@ def test_a_person_answers_leaves_and_comes_back(tmp_path: Path) -> None:
     sitting.type("\x04")
     sitting.listen_for("The session is left")
     assert sitting.process.wait(20) == 1
-    again = Terminal(tmp_path)
+    again = Sitting(tmp_path)
     again.listen_for("H1 goes on after 1 of 16 trials.")
     again.listen_for("Trial 2 of 16.")
-    again.process.kill()
-    again.process.wait()
+    again.kill()
     person = tmp_path / "studies" / "plan" / "people" / "H1"
     head, first = (json.loads(line) for line in (person / "log.jsonl").read_text().splitlines())
     assert head["emulated"] is False
     assert first["answers"] == {"noticed": True, "comfort": 5.0}
     assert (person / "trial-002-cut-1").is_dir()
+
+
+def test_interrupted_in_a_break_it_says_how_to_go_on(tmp_path: Path) -> None:
+    (tmp_path / "plan.yaml").write_text(f"{PLAN}break: {{every: 1, least: 1 min}}\n")
+    sitting = Sitting(tmp_path)
+    sitting.answer(1)
+    sitting.listen_for("Rest for 60 s.")
+    sitting.process.send_signal(signal.SIGINT)
+    sitting.listen_for("The session is left; the same command goes on")
+    assert sitting.process.wait(20) == 1
+
+
+@pytest.mark.slow
+def test_killed_in_a_question_a_break_and_a_trial_a_person_goes_on(tmp_path: Path) -> None:
+    plan = PLAN.replace("trials: 8", "trials: 2").replace("[duration=0.02]", "[duration=2]")
+    (tmp_path / "plan.yaml").write_text(f"{plan}break: {{every: 1}}\n")
+    person = tmp_path / "studies" / "plan" / "people" / "H1"
+
+    sitting = Sitting(tmp_path)
+    sitting.listen_for("tremble? (y/n): ")
+    sitting.kill()
+    sitting = Sitting(tmp_path)
+    sitting.answer(1)
+    sitting.listen_for("Press Enter to go on: ")
+    sitting.kill()
+    sitting = Sitting(tmp_path)
+    sitting.listen_for("H1 goes on after 1 of 4 trials.")
+    sitting.listen_for("Press Enter to go on: ")
+    sitting.type("\n")
+    sitting.listen_for("Trial 2 of 4.")
+    end = time.monotonic() + 20
+    while not (person / "trial-002" / "run.h5").exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    sitting.kill()
+    sitting = Sitting(tmp_path)
+    for number in (2, 3, 4):
+        sitting.answer(number)
+        if number % 2 == 0:
+            for asked in NASA_TLX.values():
+                sitting.listen_for(asked.ask)
+                sitting.listen_for("): ")
+                sitting.type("35\n")
+        if number < 4:
+            sitting.listen_for("Press Enter to go on: ")
+            sitting.type("\n")
+    assert sitting.process.wait(20) == 0
+    head, *steps = (json.loads(line) for line in (person / "log.jsonl").read_text().splitlines())
+    assert [next(iter(step)) for step in steps] == [
+        *("trial", "rest", "trial", "form", "rest", "trial", "rest", "trial", "form")
+    ]
+    assert [step["trial"] for step in steps if "trial" in step] == [1, 2, 3, 4]
+    assert [step["condition"] for step in steps if "trial" in step] == head["order"]
+    assert (person / "trial-001-cut-1").is_dir()
+    assert (person / "trial-002-cut-1").is_dir()
+    assert not (person / "trial-003-cut-1").exists()
 
 
 def test_without_a_terminal_nobody_is_asked(tmp_path: Path) -> None:

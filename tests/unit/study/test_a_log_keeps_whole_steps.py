@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -60,7 +61,8 @@ def test_a_study_keeps_its_plan_and_an_exclusion_its_reason(tmp_path: Path) -> N
     plan.write_text(PLAN)
     folder = StudyFolder(tmp_path / "study")
     folder.begin(read_study(plan))
-    assert [folder.number_of(code) for code in ("a", "b", "a")] == [0, 1, 0]
+    numbers = [folder.number_of(code, emulated=False) for code in ("a", "b", "a")]
+    assert numbers == [0, 1, 0]
     with pytest.raises(InputError, match="nobody called 'c'"):
         folder.exclude("c", None, "left")
     with pytest.raises(InputError, match="has a reason"):
@@ -76,9 +78,42 @@ def test_a_study_keeps_its_plan_and_an_exclusion_its_reason(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
+    "left", [[], ["plan.yaml"], ["plan.yaml", "study.json.part"], ["study.json.part"]]
+)
+def test_a_study_that_was_cut_off_before_it_began_is_begun(left: list[str], tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(PLAN)
+    folder = StudyFolder(tmp_path / "study")
+    folder.path.mkdir()
+    for name in left:
+        (folder.path / name).write_text("half")
+    folder.begin(read_study(plan))
+    folder.begin(read_study(plan))
+    assert (folder.path / "plan.yaml").read_text() == PLAN
+    assert {each.name for each in folder.path.iterdir()} == {"plan.yaml", "study.json"}
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(PLAN)
+    (tmp_path / "other").write_text("")
+    with pytest.raises(InputError, match="holds no study"):
+        StudyFolder(tmp_path).begin(read_study(plan))
+    folder = StudyFolder(tmp_path / "study")
+    folder.begin(read_study(plan))
+    for text in ("", "[]", "{}"):
+        (folder.path / "study.json").write_text(text)
+        with pytest.raises(InputError, match="put it back"):
+            folder.begin(read_study(plan))
+
+
+@pytest.mark.parametrize(
     ("more", "said"),
     [
         ("questions: {a: {ask: x, kind: scale}}", "a scale has"),
+        ("questions: {condition: {ask: x}}", "has a column of that name"),
+        ("questions: {tlx_effort: {ask: x}}", "has a column of that name"),
+        ("questions: {drift: {ask: x}}", "has a column of that name"),
         ("questions: {a: {ask: x, least: 1}}", "of a scale or a number"),
         ("questions: {a: {ask: x, kind: number, least: 2, most: 1}}", "not below"),
         ("questions: {a: {ask: x, kind: choice, labels: [b]}}", "two 'labels' or more"),
@@ -99,5 +134,6 @@ def test_a_study_keeps_its_plan_and_an_exclusion_its_reason(tmp_path: Path) -> N
 def test_a_plan_whose_parts_do_not_fit_is_refused(more: str, said: str, tmp_path: Path) -> None:
     plan = tmp_path / "plan.yaml"
     plan.write_text(f"{PLAN}{more}\n")
-    with pytest.raises(InputError, match=said):
-        read_study(plan)
+    with pytest.raises(InputError, match=said) as caught:
+        read_study(plan, ["drift"])
+    assert re.match(r".*plan\.yaml:[5-9]:\d+: ", str(caught.value))

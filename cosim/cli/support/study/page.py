@@ -6,10 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from cosim.base.errors import RunError
-from cosim.cli.support.study.person import LEFT
 from cosim.study.form import QuestionForm
 from cosim.study.questions import Answer, parse_answer
-from cosim.study.session import StudyTrial
+from cosim.study.session import LEFT, StudyTrial
 
 if TYPE_CHECKING:
     from cosim.live.process import ServerProcess
@@ -74,10 +73,7 @@ class PersonAtPage:
     def _ask(self, sheet: Mapping[str, Any]) -> dict[str, str]:
         """What is answered to a sheet with a button."""
         self._show(sheet)
-        try:
-            said = self._server.hear()
-        except KeyboardInterrupt:
-            raise RunError(LEFT) from None
+        said = self._server.hear()
         if "leave" in said:
             raise RunError(LEFT)
         return said["answers"]

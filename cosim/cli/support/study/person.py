@@ -10,10 +10,8 @@ import click
 
 from cosim.base.errors import InputError, RunError
 from cosim.study.form import QuestionForm
-from cosim.study.questions import Answer, parse_answer
-from cosim.study.session import StudyTrial
-
-LEFT = "The session is left; the same command goes on with this trial."
+from cosim.study.questions import Answer, limits_of, parse_answer
+from cosim.study.session import LEFT, StudyTrial
 
 
 class PersonAtTerminal:
@@ -62,12 +60,9 @@ def _line(prompt: str) -> str:
 
     click.echo(prompt, err=True, nl=False)
     termios.tcflush(sys.stdin.fileno(), termios.TCIFLUSH)
-    try:
-        line = sys.stdin.readline()
-    except KeyboardInterrupt:
-        line = ""
+    line = sys.stdin.readline()
     if not line:
-        raise RunError(f"\n{LEFT}")
+        raise RunError(LEFT)
     return line
 
 
@@ -82,6 +77,6 @@ def _hint(question: QuestionForm) -> str:
         case "scale" | "number":
             ends = [f"{each:g}" for each in (question.least, question.most) if each is not None]
             if len(ends) < 2:
-                return ""
+                return f"({limits})" if (limits := limits_of(question)) else ""
             low, high = question.labels or ("", "")
             return f"({ends[0]}{low and f' {low}'} … {ends[1]}{high and f' {high}'})"

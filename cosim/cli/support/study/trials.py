@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cosim.cli.support.run.one import RunOptions, read_one, run_one
 from cosim.study.plan import StudyPlan, condition_sets
 from cosim.study.session import StudyTrial
+from cosim.study.staircase import tried
 from cosim.sweep.planning.places import expand
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class TrialRunner:
         self._places = {name: self._expanded(name) for name in plan.form.conditions}
         for name in plan.form.conditions:
             rule = plan.form.staircase
-            for value in (None,) if rule is None else (rule.least, rule.start, rule.most):
+            for value in (None,) if rule is None else tried(rule):
                 self._read(StudyTrial(1, name, 1, value, 0))
 
     def __call__(self, trial: StudyTrial, folder: Path) -> Mapping[str, Any]:
@@ -62,7 +63,7 @@ class TrialRunner:
 
     def _own(self, trial: StudyTrial) -> list[str]:
         unit = self._plan.form.staircase.unit if self._plan.form.staircase else ""
-        value = "" if trial.value is None else f"{trial.value:g} {unit}".rstrip()
+        value = "" if trial.value is None else f"{_written(trial.value)} {unit}".rstrip()
         places = self._places[trial.condition] if value else ()
         return [*(f"{place}={value}" for place in places), f"seed={trial.seed}"]
 
@@ -78,3 +79,8 @@ class TrialRunner:
         written: Written = read(self._plan.scenario_of(condition), (), sets, forms=FORMS)
         places = [rule.vary] if isinstance(rule.vary, str) else rule.vary
         return tuple(path for place in places for path in expand(written.root, place))
+
+
+def _written(value: float) -> str:
+    """All of it, and a whole number as one, which is what some places take."""
+    return repr(value).removesuffix(".0")
