@@ -1,4 +1,5 @@
-# cohaptic as a command: docker run --rm --read-only --tmpfs /tmp -v "$PWD":/work cohaptic run my.yaml
+# cohaptic as a command (FMUs are unpacked into /tmp and loaded from there, hence exec):
+#   docker run --rm --read-only --tmpfs /tmp:exec -v "$PWD":/work cohaptic run my.yaml
 FROM python:3.12-slim AS build
 COPY . /source
 # The wheel's build hook compiles the FMUs with ziglang from the registry; no compiler is installed.

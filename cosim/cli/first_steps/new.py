@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -46,6 +47,7 @@ def command(
 
     What no option says is asked at a terminal; elsewhere it is as in the bundled one.
     """
+    from cosim.base.system.writing import writing
     from cosim.cli.first_steps.starter import Answers, ground, starter
 
     if file.exists():
@@ -54,7 +56,9 @@ def command(
     given = {"motion": motion, "users": str(users) if users else None, "architecture": architecture}
     below = ground(given, _choose if asks else _first).name
     answers = Answers(delay, loss, mass, duration)
-    file.write_text(starter(below, answers, file.stem, _ask if asks else None), encoding="utf-8")
+    text = starter(below, answers, file.stem, _ask if asks else None)
+    with writing(file):
+        file.write_text(text, encoding="utf-8")
     click.echo(f"{file} is written. 'cohaptic check {file}' says what is in it;")
     click.echo(f"'cohaptic run {file}' runs it.")
 
@@ -65,8 +69,16 @@ def _first(trait: str, values: list[str]) -> str:
 
 
 def _choose(trait: str, values: list[str]) -> str:
-    return str(click.prompt(trait.capitalize(), type=click.Choice(values), default=values[0]))
+    kind = click.Choice(values)
+    return str(click.prompt(trait.capitalize(), type=kind, default=values[0], err=True))
 
 
-def _ask(question: str, default: str) -> str:
-    return str(click.prompt(question, default=default))
+def _ask(question: str, default: str, judge: Callable[[str], None]) -> str:
+    def judged(answer: str) -> str:
+        try:
+            judge(answer)
+        except InputError as error:
+            raise click.UsageError(error.message) from error  # it is asked again
+        return answer
+
+    return str(click.prompt(question, default=default, value_proc=judged, err=True))

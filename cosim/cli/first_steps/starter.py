@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from cosim.base.errors import InputError
 
-if TYPE_CHECKING:
-    from cosim.scenario import Scenario
+Ask = Callable[[str, str, Callable[[str], None]], str]
+"""Puts a question with its default until an answer is none that is refused."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +35,7 @@ HOLDERS = {"object", "distributed_workstation", "central_server"}
 """FMUs that have the shared object in them."""
 MASS = 0.4
 """Its mass (kg) where a scenario names none."""
+DELAY, LOSS = "round_trip_delay", "loss"
 TRAITS = ("motion", "users", "architecture")
 
 
@@ -70,10 +70,8 @@ def ground(given: Mapping[str, str | None], choose: Callable[[str, list[str]], s
     return left[0]
 
 
-def starter(
-    below: str, answers: Answers, title: str, ask: Callable[[str, str], str] | None = None
-) -> str:
-    """The text of a scenario over the bundled ``below``; ``ask`` takes a question and its default.
+def starter(below: str, answers: Answers, title: str, ask: Ask | None = None) -> str:
+    """The text of a scenario over the bundled ``below``; what is open is ``ask``-ed for.
 
     Raises:
         InputError: an answer cannot be used; the sentence is the scenario reader's.
@@ -81,19 +79,32 @@ def starter(
     from cosim.reading import load
 
     scenario = load(below)
-    duration = answers.duration
-    if duration is None and ask is not None:
-        duration = ask("Duration", f"{float(scenario.duration):g} s")
-    channels = _channels(answers, scenario, ask)
-    objects = [name for name, part in scenario.components.items() if part.source in HOLDERS]
+    channels, parts = list(scenario.channels), scenario.components
+    objects = [name for name, part in parts.items() if part.source in HOLDERS]
+    if not channels and (answers.delay or answers.loss):
+        raise InputError("--delay and --loss are of a network, and a single user has none.")
+
+    def wanted(given: str | None, question: str, default: str, places: Sequence[str]) -> str | None:
+        def judge(answer: str) -> None:
+            load(below, sets=[f"{place}={answer}" for place in places])
+
+        if given is None and ask is not None and places:
+            return ask(question, default, judge)
+        if given is not None:
+            judge(given)
+        return given
+
+    length = f"{float(scenario.duration):g} s"
+    duration = wanted(answers.duration, "Duration", length, ["duration"])
+    delays, losses = ([f"channels.{c}.{key}" for c in channels] for key in (DELAY, LOSS))
+    delay = None if answers.delay is None else str(answers.delay)
+    delay = wanted(delay, "Round trip, in samples of the network", "1", delays)
+    loss = None if answers.loss is None else f"{answers.loss:g}"
+    loss = wanted(loss, "Share of the packets that is lost", "0", losses)
     mass = None if answers.mass is None else f"{answers.mass:g} kg"
-    if mass is None and ask is not None:
-        written = scenario.components[objects[0]].parameters.get("mass", MASS)
-        mass = ask("Mass of the object", f"{written} kg")
-    sets = [f"duration={duration}"] if duration else []
-    sets += [f"channels.{c}.{key}={value}" for c in scenario.channels for key, value in channels]
-    sets += [f"components.{part}.parameters.mass={mass}" for part in objects if mass]
-    load(below, sets=sets)  # refused here, and nothing is written
+    written = str(parts[objects[0]].parameters.get("mass", MASS)).removesuffix("kg").strip()
+    masses = [f"components.{part}.parameters.mass" for part in objects]
+    mass = wanted(mass, "Mass of the object", f"{written} kg", masses)
 
     lines = [
         "cohaptic: 1",
@@ -101,27 +112,11 @@ def starter(
         f"include: {below}    # everything that is not said here",
     ]
     lines += [f"duration: {duration}"] if duration else []
-    if channels:
-        content = ", ".join(f"{key}: {value}" for key, value in channels)
-        lines += ["", "channels:", *(f"  {each}: {{{content}}}" for each in scenario.channels)]
+    said = [(key, value) for key, value in ((DELAY, delay), (LOSS, loss)) if value]
+    if channels and said:
+        content = ", ".join(f"{key}: {value}" for key, value in said)
+        lines += ["", "channels:", *(f"  {each}: {{{content}}}" for each in channels)]
     if mass:
         lines += ["", "components:"]
         lines += [f"  {part}: {{parameters: {{mass: {mass}}}}}" for part in objects]
     return "\n".join(lines) + "\n"
-
-
-def _channels(
-    answers: Answers, scenario: Scenario, ask: Callable[[str, str], str] | None
-) -> list[tuple[str, str]]:
-    """What every channel gets."""
-    if not scenario.channels:
-        if answers.delay or answers.loss:
-            raise InputError("--delay and --loss are of a network, and a single user has none.")
-        return []
-    delay = None if answers.delay is None else str(answers.delay)
-    loss = None if answers.loss is None else f"{answers.loss:g}"
-    if ask is not None:
-        delay = delay or ask("Round trip, in samples of the network", "1")
-        loss = loss or ask("Share of the packets that is lost", "0")
-    found = [("round_trip_delay", delay), ("loss", loss)]
-    return [(key, value) for key, value in found if value is not None]

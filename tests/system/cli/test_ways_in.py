@@ -95,7 +95,7 @@ def test_the_questions_are_asked_at_a_terminal(tmp_path: Path) -> None:
         [*COHAPTIC, "new", "mine.yaml"], cwd=tmp_path, stdin=theirs, stdout=theirs, stderr=theirs
     )
     os.close(theirs)
-    os.write(ours, b"axis\n2\ncentralized\n5 s\n2\n0\n0.5\n")
+    os.write(ours, b"axis\n2\ncentralized\nlong\n5 s\n2\n3\n0\n0.5\n")
     said = b""
     try:
         while piece := os.read(ours, 4096):
@@ -105,8 +105,29 @@ def test_the_questions_are_asked_at_a_terminal(tmp_path: Path) -> None:
     os.close(ours)
     assert process.wait(20) == 0, said
     assert said.index(b"Motion") < said.index(b"Round trip") < said.index(b"Mass")
+    assert b"'long' is not a number with a unit" in said, "and it is asked again"
+    assert said.count(b"Duration") == said.count(b"Share of the packets") == 2, "3 is no share"
     scenario = load(tmp_path / "mine.yaml")
     assert (float(scenario.duration), set(scenario.channels)) == (5.0, {"lan"})
+
+
+def test_without_a_terminal_nothing_is_asked(tmp_path: Path) -> None:
+    done = cohaptic("new", "mine.yaml", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "cohaptic run mine.yaml" in done.stdout
+    mine, bundled = load(tmp_path / "mine.yaml"), load("two_users_box")
+    assert (mine.title, mine.duration) == ("mine", bundled.duration)
+    assert mine.components.keys() == bundled.components.keys()
+    options = ("--users", "1", "--duration", "1 min", "--mass", "0.7")
+    assert cohaptic("new", "alone.yml", *options, folder=tmp_path).returncode == 0
+    alone = load(tmp_path / "alone.yml")
+    assert (float(alone.duration), alone.channels) == (60.0, {})
+    wrong = cohaptic("new", "long.yaml", "--duration", "long", folder=tmp_path)
+    assert (wrong.returncode, (tmp_path / "long.yaml").exists()) == (2, False)
+    assert "'long' is not a number with a unit" in wrong.stderr
+    lonely = cohaptic("new", "x.yaml", "--users", "1", "--loss", "0.1", folder=tmp_path)
+    assert lonely.returncode == 2
+    assert "a single user has none" in lonely.stderr
 
 
 def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
@@ -145,7 +166,60 @@ def test_bash_completes_scenarios_and_signals(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_have_a_script(shell: str, tmp_path: Path) -> None:
-    done = cohaptic("completion", shell, folder=tmp_path)
-    assert done.returncode == 0
-    assert "_COHAPTIC_COMPLETE" in done.stdout
+def test_other_shells_ask_and_are_answered(shell: str, tmp_path: Path) -> None:
+    """What their scripts send, as zsh and fish do; the shells themselves, where they are there."""
+    cohaptic("run", "single_user", "--no-figure", "--out", "mine", folder=tmp_path)
+    script = cohaptic("completion", shell, folder=tmp_path)
+    assert script.returncode == 0
+    assert f"_COHAPTIC_COMPLETE={shell}_complete" in script.stdout
+
+    def answered(*words: str) -> str:
+        asked = {"_COHAPTIC_COMPLETE": f"{shell}_complete"}
+        asked["COMP_WORDS"] = " ".join(("cohaptic", *words)).strip()
+        asked["COMP_CWORD"] = str(len(words)) if shell == "zsh" else words[-1]
+        done = subprocess.run(
+            [Path(sys.executable).with_name("cohaptic")],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**os.environ, **asked},
+        )
+        return done.stdout
+
+    assert "thesis/four_users" in answered("run", "thesis/f")
+    assert "hand_1.position" in answered("plot", "mine", "hand_1.p")
+    assert "hand_1.force" not in answered("plot", "mine", "hand_1.p")
+    assert "mine/" in answered("compare", "mi")
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="needs fish; .ci/run has it")
+def test_fish_completes(tmp_path: Path) -> None:
+    script = 'cohaptic completion fish | source; complete -C "cohaptic run thesis/four"'
+    assert "thesis/four_users" in in_shell(("fish", "--no-config", "-c"), script, tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="needs zsh; .ci/run has it")
+def test_zsh_completes(tmp_path: Path) -> None:
+    script = (
+        "autoload -Uz compinit; compinit -u -D; "
+        'eval "$(cohaptic completion zsh)"\n'
+        'compadd() { print -rl -- "$@" } ; _describe() { print -rl -- ${(P)4:-} ${(P)3:-} }\n'
+        "words=(cohaptic run thesis/four); CURRENT=3; _cohaptic_completion\n"
+        "print -r -- registered ${_comps[cohaptic]}"
+    )
+    shown = in_shell(("zsh", "-f", "-c"), script, tmp_path)
+    assert "thesis/four_users" in shown
+    assert "registered _cohaptic_completion" in shown
+
+
+def in_shell(shell: tuple[str, ...], script: str, folder: Path) -> str:
+    done = subprocess.run(
+        [*shell, script],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"},
+    )
+    return done.stdout

@@ -59,6 +59,12 @@ NOT_RUN = {
         "git clone": "fetches",
         "COHAPTIC_REFERENCE_FMUS": "needs what was fetched; tests/peers does",
     },
+    "docs/release.md": {
+        **dict.fromkeys(("uv run pytest", "uv run python bench", "WHEEL_PYTHON"), MINUTES),
+        "uv run --group docs": "the last lane of .ci/run",
+        **dict.fromkeys(("git", "uv build", "uv publish"), "is the release itself"),
+        "docker": "needs Docker",
+    },
     "docs/sweeps.md": {"cohaptic sweep": f"{MINUTES}; tests/system/sweep runs the map"},
     "docs/tutorial.md": {"uv run cohaptic": "test_the_tutorial_is_true compares its answers"},
 }
