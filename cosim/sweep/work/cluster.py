@@ -1,8 +1,8 @@
 """Workers of a Dask cluster: chunks of runs, some under way, and a scheduler that may die.
 
-A chunk whose worker died again and again is taken apart and its runs are sent one by one, so that
-the one that kills is found. When the scheduler is gone, what is known is kept and a sentence says
-how to go on.
+A chunk whose worker died again and again is sent once more, to be run in a process beside a worker:
+the run that kills is found, says what it was at, and kills no worker more. When the scheduler is
+gone, what is known is kept and a sentence says how to go on.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import pickle
 import threading
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from queue import Empty, SimpleQueue
 from types import TracebackType
@@ -21,6 +22,7 @@ from typing import Any
 
 from cosim.base.errors import InputError, RunError
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.pool import LocalPool
 from cosim.sweep.work.runner import PointRunner
 
 CHUNK = 20
@@ -36,6 +38,15 @@ _CONNECT_SECONDS = 10
 
 _lock = threading.Lock()
 _runner: tuple[str, PointRunner] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Chunk:
+    """Runs that are sent together."""
+
+    tasks: list[Task]
+    is_suspect: bool = False
+    """Workers died of it."""
 
 
 class DaskPool:
@@ -89,24 +100,25 @@ class DaskPool:
             raise RunError(_LOST) from error
 
     def _run(self, waiting: Iterator[Task]) -> Iterator[RunResult]:
-        singly: deque[list[Task]] = deque()
-        under_way: dict[Any, list[Task]] = {}
+        again: deque[_Chunk] = deque()
+        under_way: dict[Any, _Chunk] = {}
         # It travels with every chunk: what was scattered is lost with the last worker that has it,
         # and then nothing is run and nothing is said.
         job = pickle.dumps(self._job)
         token = hashlib.sha256(job).hexdigest()
         while True:
             while len(under_way) < self._room():
-                chunk = singly.popleft() if singly else list(islice(waiting, self._chunk))
-                if not chunk:
+                chunk = again.popleft() if again else _Chunk(list(islice(waiting, self._chunk)))
+                if not chunk.tasks:
                     break
-                future = self._client.submit(_run_chunk, token, job, chunk, pure=False)
+                run = _run_guarded if chunk.is_suspect else _run_chunk
+                future = self._client.submit(run, token, job, chunk.tasks, pure=False)
                 under_way[future] = chunk
                 future.add_done_callback(self._over.put)
             if not under_way:
                 return
             future = self._finished()
-            yield from self._take(future, under_way.pop(future), singly)
+            yield from self._take(future, under_way.pop(future), again)
 
     def _room(self) -> int:
         return UNDER_WAY * max(1, len(self._client.nthreads()))
@@ -125,22 +137,23 @@ class DaskPool:
             except Empty:
                 continue
 
-    def _take(
-        self, future: Any, chunk: list[Task], singly: deque[list[Task]]
-    ) -> Iterator[RunResult]:
+    def _take(self, future: Any, chunk: _Chunk, again: deque[_Chunk]) -> Iterator[RunResult]:
         if future.status == "finished":
             yield from future.result()
             return
         if future.status in {"cancelled", "lost"}:
-            singly.append(chunk)
+            again.append(chunk)
             return
         error = future.exception()
         if not isinstance(error, self._dask.KilledWorker):
             raise RunError(f"A worker of the cluster failed: {error}") from error
-        if len(chunk) > 1:
-            singly.extend([task] for task in chunk)
+        if not chunk.is_suspect:
+            again.append(_Chunk(chunk.tasks, is_suspect=True))
             return
-        (task,) = chunk
+        if len(chunk.tasks) > 1:
+            again.extend(_Chunk([task], is_suspect=True) for task in chunk.tasks)
+            return
+        (task,) = chunk.tasks
         message = "The workers that ran it died again and again."
         yield RunResult(task.number, task.key, task.point, "crashed", message)
 
@@ -161,3 +174,10 @@ def _run_chunk(token: str, job: bytes, tasks: list[Task]) -> list[RunResult]:
                 _runner[1].close()
             _runner = token, PointRunner(pickle.loads(job))
         return [_runner[1].run(task) for task in tasks]
+
+
+def _run_guarded(token: str, job: bytes, tasks: list[Task]) -> list[RunResult]:
+    """On a worker: run what may have killed others, in a process beside it."""
+    del token
+    with LocalPool(pickle.loads(job), 1) as pool:
+        return list(pool.run(tasks))
