@@ -6,18 +6,21 @@ finger a user, everyone holding the box: the model that chapter 8 compares its e
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
 from cosim.analysis.grasp import WORKSTATION, find_grasp
+from cosim.analysis.left_out import CLIENT, SERVER, refuse_what_chapters_leave_out
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.timing import PathDelay, Timing
 
-SERVER, CLIENT = "central_server", "remote_client"
+ROUNDED = "is taken as"
+"""In the note of a delay that is longer here than in the run."""
 _PLANAR = (
-    "One finger a user on the box's normal axis, everyone holding on; friction, quantisation and "
-    "velocity estimation are left out."
+    "One finger a user on the box's normal axis, everyone holding on; friction, quantisation, "
+    "velocity estimation and what hands hold on with are left out."
 )
 
 
@@ -25,8 +28,9 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
     """The loop of a scenario.
 
     Raises:
-        InputError: where the scenario has no loop that chapters 3 to 6 know.
+        InputError: where the scenario has no loop that chapters 3 to 6 know, or has more than it.
     """
+    refuse_what_chapters_leave_out(scenario)
     sources = {part.source for part in scenario.components.values() if part.is_bundled}
     if WORKSTATION in sources:
         return _read_workstations(scenario)
@@ -35,48 +39,9 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
     return read_single_axis(scenario)
 
 
-_LEFT_OUT = {
-    "predictor": "prediction",
-    "force_channel": "waves",
-    "passivity": "a passivity layer",
-    "environment": "a soft object",
-    "deadband": "a deadband",
-    "computation_delay_ticks": "a computation delay",
-}
-_NOTHING = {0, "hold_last", "plain", "none", "box"}
-
-
-def refuse_what_chapters_leave_out(scenario: Scenario) -> None:
-    """Refuse, by name, what the run has and the planar scenarios' loop of chapters 3 to 6 has not.
-
-    Raises:
-        InputError: with its place.
-    """
-    parts = [part for part in scenario.components.values() if part.is_bundled]
-    if not {part.source for part in parts} & {WORKSTATION, SERVER}:
-        return
-    for part in parts:
-        walls = [f"wall_{number}.enabled" for number in range(1, 5)]
-        for name, what in (*_LEFT_OUT.items(), *((wall, "a wall") for wall in walls)):
-            value = part.parameters.get(name)
-            if value is None or value in _NOTHING:
-                continue
-            raise InputError(
-                f"{part.name} has {what}, which the loop of chapters 3 to 6 leaves out: ask for "
-                "the run itself (theory radius, modes, boundary, margins, loss), or take it away.",
-                scenario.locate(("components", part.name, "parameters", name)),
-            )
-    for link in scenario.connections:
-        if link.via is None and (link.delay.ticks or link.rate is not None):
-            raise InputError(
-                f"{link} is delayed or sampled inside a station, which the loop of chapters 3 to 6 "
-                "leaves out: ask for the run itself (theory radius).",
-                scenario.locate(("connections",)),
-            )
-
-
 def _read_workstations(scenario: Scenario) -> ScenarioLoop:
     grasp = find_grasp(scenario)
+    _refuse_untold_compensation(scenario, grasp.workstations)
     model = grasp.model("normal")
     users = range(1, model.users + 1)
     values: dict[str, float] = {"k_w": 0.0, "b_w": 0.0}
@@ -94,7 +59,7 @@ def _read_workstations(scenario: Scenario) -> ScenarioLoop:
             values[f"b_{m}{r}"] = float(model.remote_damping[m - 1, r - 1])
             values[f"k_o{m}"] = float(model.object_stiffness[m - 1, r - 1])
             values[f"b_o{m}"] = float(model.object_damping[m - 1, r - 1])
-    return ScenarioLoop("distributed", model.users, values, grasp.timing, (_PLANAR,))
+    return ScenarioLoop("distributed", model.users, values, grasp.timing, _notes(scenario))
 
 
 def _read_server(scenario: Scenario) -> ScenarioLoop:
@@ -116,7 +81,36 @@ def _read_server(scenario: Scenario) -> ScenarioLoop:
         values[f"k_{m}"] = _given(server, f"{side}_normal_stiffness")
         values[f"b_{m}"] = _given(server, f"{side}_normal_damping")
     timing = _server_timing(scenario, server, clients)
-    return ScenarioLoop("centralized", len(clients) + 1, values, timing, (_PLANAR,))
+    return ScenarioLoop("centralized", len(clients) + 1, values, timing, _notes(scenario))
+
+
+def _notes(scenario: Scenario) -> tuple[str, ...]:
+    """What is left out, and which delays are longer here than in the run."""
+    notes = {_PLANAR: None}
+    for name in dict.fromkeys(link.via for link in scenario.connections if link.via is not None):
+        channel = scenario.channels[name]
+        for way in (channel.forward, channel.backward):
+            samples = -(-way.delay.ticks // channel.period)
+            if samples * channel.period != way.delay.ticks:
+                notes[f"A delay of {way.delay.ticks} ticks {ROUNDED} {samples} samples."] = None
+    return tuple(notes)
+
+
+def _refuse_untold_compensation(
+    scenario: Scenario, workstations: Iterable[ScenarioComponent]
+) -> None:
+    """A compensation that is still a word has no number.
+
+    Raises:
+        InputError: with its place.
+    """
+    for part in workstations:
+        if isinstance(part.parameters.get("compensation"), str):
+            raise InputError(
+                f"{part.name} has a compensation that the theory has yet to compute; load the "
+                "scenario with its numbers (cohaptic.load).",
+                scenario.locate(("components", part.name, "parameters", "compensation")),
+            )
 
 
 def _server_timing(

@@ -5,21 +5,28 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+from cosim.analysis.chance.delays import link_delays
+from cosim.base.errors import InputError
 from cosim.scenario import Direction, Scenario
 from cosim.scenario.describe import average
+from cosim.scenario.impairments.loss import GilbertElliott
 from cosim.theory.chance.network import Network
 
 
 def network_of(scenario: Scenario) -> Network | None:
-    """The worst of each over all channels and directions; ``None`` where nothing crosses one."""
+    """The worst of each over all channels and directions; ``None`` where nothing crosses one.
+
+    Raises:
+        InputError: packets are lost in bursts or follow a trace, which a design does not know.
+    """
     used = {link.via for link in scenario.connections if link.via is not None}
     if not used:
         return None
     channels = [scenario.channels[name] for name in sorted(used)]
     ways = [
-        _facts(way, scenario.base_rate)
+        _facts(scenario, f"{channel.name}.{name}", way)
         for channel in channels
-        for way in (channel.forward, channel.backward)
+        for name, way in (("forward", channel.forward), ("backward", channel.backward))
     ]
     delays, jitters, losses = zip(*ways, strict=True)
     return Network(
@@ -30,8 +37,15 @@ def network_of(scenario: Scenario) -> Network | None:
     )
 
 
-def _facts(way: Direction, base_rate: Fraction) -> tuple[float, float, float]:
+def _facts(scenario: Scenario, link: str, way: Direction) -> tuple[float, float, float]:
     """Mean delay (s), RMS jitter (s) and probability of loss of one direction."""
-    tick = float(1 / base_rate)
+    if isinstance(link_delays(scenario, link).loss, GilbertElliott):
+        raise InputError(
+            f"{link} loses packets in bursts, and a design stands losses that come each by itself: "
+            "give their probability with --loss over a scenario without, and ask the result with "
+            "'cohaptic theory radius --with'.",
+            scenario.locate(("channels", link.partition(".")[0])),
+        )
+    tick = float(1 / scenario.base_rate)
     found = average(way)
     return found.delay * tick, math.sqrt(found.variance) * tick, found.lost

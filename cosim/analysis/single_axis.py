@@ -9,6 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from cosim.analysis.ties import (
+    Tie,
+    refuse_double_ties,
+    refuse_other_copies,
+    refuse_other_places,
+    wires_of,
+)
+from cosim.analysis.wires import refuse_other_steps, refuse_other_wires
 from cosim.base.errors import InputError
 from cosim.scenario import Connection, Direction, Scenario, ScenarioComponent
 from cosim.theory.models.parameters import Architecture
@@ -39,15 +47,6 @@ class ScenarioLoop:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Tie:
-    """A coupler between a body that may be far (``other``) and the object of its own station."""
-
-    coupler: ScenarioComponent
-    other: str
-    own: str
-
-
 def read_single_axis(scenario: Scenario) -> ScenarioLoop:
     """Read a single-axis scenario.
 
@@ -66,6 +65,7 @@ def read_single_axis(scenario: Scenario) -> ScenarioLoop:
         )
     distributed = len(objects) > 1
     numbers = _numbers(scenario, hands, objects, distributed=distributed)
+    parts.refuse_other_joints(ties, numbers, distributed=distributed)
     values = parts.wall()
     for hand in hands:
         values[f"m_h{numbers[hand.name]}"] = parts.number(hand, "mass")
@@ -145,7 +145,7 @@ def _couplers(*, distributed: bool, users: int) -> list[str]:
     return [f"{m}{r}" for m in numbers for r in numbers] + [f"o{m}" for m in numbers]
 
 
-def _name_of(tie: _Tie, numbers: dict[str, int], objects: set[str], *, distributed: bool) -> str:
+def _name_of(tie: Tie, numbers: dict[str, int], objects: set[str], *, distributed: bool) -> str:
     """The thesis's subscript of a coupler."""
     if not distributed:
         return str(numbers[tie.other])
@@ -180,11 +180,11 @@ class _Parts:
             (link.target.component, link.target.path): link for link in scenario.connections
         }
 
-    def ties(self) -> list[_Tie]:
+    def ties(self) -> list[Tie]:
         """Every coupler with the two bodies that it joins."""
         bodies = {part.name: part for part in (*self.hands, *self.objects)}
         objects = {part.name for part in self.objects}
-        found: list[_Tie] = []
+        found: list[Tie] = []
         for coupler in self.couplers:
             ends = [self._source(coupler, f"position_{end}") for end in "ab"]
             near = [
@@ -197,8 +197,32 @@ class _Parts:
                     self.scenario.locate(("components", coupler.name)),
                 )
             other = ends[1] if ends[0] == near[0] else ends[0]
-            found.append(_Tie(coupler, other, near[0]))
+            found.append(Tie(coupler, other, near[0], "ab"[ends.index(near[0])]))
         return found
+
+    def refuse_other_joints(
+        self, ties: list[Tie], numbers: dict[str, int], *, distributed: bool
+    ) -> None:
+        """Refuse parts that are joined, placed or stepped otherwise than the loop's.
+
+        Raises:
+            InputError: by name and place.
+        """
+        parts = {part.name: part for part in (*self.hands, *self.objects, *self.couplers)}
+        refuse_double_ties(self.scenario, ties)
+        if distributed:
+            refuse_other_copies(self.scenario, ties, self.objects)
+        else:
+            home = self.objects[0].station
+            refuse_other_places(self.scenario, self.hands, home, numbers)
+        hands = {hand.name: hand for hand in self.hands}
+        refuse_other_wires(
+            self.scenario,
+            parts,
+            wires_of(ties, hands, distributed=distributed),
+            {f"{name}.force" for name in hands},
+        )
+        refuse_other_steps(self.scenario, parts.values())
 
     def _source(self, coupler: ScenarioComponent, path: str) -> str:
         link = self.feeding.get((coupler.name, path))

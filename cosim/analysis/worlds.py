@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from cosim.analysis.loop import read_loop, refuse_what_chapters_leave_out
+from cosim.analysis.loop import read_loop
 from cosim.analysis.single_axis import WITHOUT_CHANCE
 from cosim.base.errors import CohapticError
 from cosim.scenario import Scenario
@@ -54,7 +54,6 @@ def tell_of(scenario: Scenario) -> tuple[ToldLoop, ...]:
 
 def _told(name: str, scenario: Scenario) -> ToldLoop:
     try:
-        refuse_what_chapters_leave_out(scenario)
         loop = read_loop(scenario)
     except CohapticError as error:
         return ToldLoop(name, refusal=str(error))

@@ -17,13 +17,20 @@ def spectral_radius(scenario: Scenario) -> float:
     """The spectral radius of a scenario's loop over one network period; below 1 it is stable.
 
     Raises:
-        InputError: the scenario has no loop that chapters 3 to 6 know.
+        InputError: the scenario has no loop that chapters 3 to 6 know, its packets are lost or late
+            by chance, something is turned while it runs, or a delay is no whole number of samples.
     """
-    from cosim.analysis.loop import read_loop
+    from cosim.analysis.loop import ROUNDED, read_loop
+    from cosim.analysis.monodromy.refusal import refuse_chance, refuse_turned
     from cosim.theory.models.parameters import Parameters
     from cosim.theory.stability.spectral_radius import stability
 
+    refuse_chance(scenario, "a spectral radius is")
+    refuse_turned(scenario)
     loop = read_loop(scenario)
+    for note in loop.notes:
+        if ROUNDED in note:
+            raise InputError(f"{note} What runs would be another loop.")
     model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()
     return stability(model, loop.timing).spectral_radius
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -95,6 +96,16 @@ class DeclaredState:
         place = self.begin + self._description.references[variable]
         is_float = self._description.variables[variable].type.is_float
         return float(words.view(np.float64)[place] if is_float else words[place])
+
+    def elements(self, words: Words, variable: str) -> dict[str, float]:
+        """A variable of any shape, as it is saved with the state: a number an element."""
+        described = self._description.variables[variable]
+        first = self.begin + self._description.references[variable]
+        saved = words.view(np.float64) if described.type.is_float else words
+        if not described.shape:
+            return {variable: float(saved[first])}
+        count = math.prod(described.shape)
+        return {f"{variable}[{n + 1}]": float(saved[first + n]) for n in range(count)}
 
     @property
     def changing(self) -> NDArray[np.int64]:

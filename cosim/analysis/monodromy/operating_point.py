@@ -14,7 +14,11 @@ Real = NDArray[np.float64]
 
 CONVERGED = 1e-10
 """Of what a coordinate moves in one hyperperiod, in SI units: 0.1 nm, 0.1 nN."""
+RESTING = 1e-7
+"""The same in the next hyperperiod, in which an unstable loop may have grown."""
 ITERATIONS = 12
+FOLLOW_TIME = {"operator"}
+"""Models with states of their own of which some outputs follow time alone."""
 DRIFTING = "N.s"
 """Waves travel as integrals, which grow by as much in every hyperperiod under a constant force."""
 
@@ -39,6 +43,7 @@ def settle(run: RunMap) -> Real:
         moved = float(np.abs(apart[resting]).max(initial=0.0))
         if moved < CONVERGED:
             _refuse_changing_modes(run)
+            _refuse_drifting(run, resting)
             return matrix
         step = np.zeros(run.size)
         inner = matrix[np.ix_(kept, kept)] - np.eye(int(np.count_nonzero(kept)))
@@ -51,6 +56,26 @@ def settle(run: RunMap) -> Real:
         "in a hyperperiod. Choose a moment at which the grasp is steady with --at; where the loop "
         "oscillates, one before it does."
     )
+
+
+def _refuse_drifting(run: RunMap, resting: NDArray[np.bool_]) -> None:
+    """Whether the next hyperperiod leaves the state as it is too.
+
+    What users want may move and yet come back to a fixed point of one hyperperiod.
+
+    Raises:
+        InputError: it does not.
+    """
+    run.put(run.start)
+    run.simulation.advance(run.tick + 2 * run.hyperperiod)
+    moved = float(np.abs((run.numbers() - run.start)[resting]).max(initial=0.0))
+    run.put(run.start)
+    if moved > RESTING:
+        raise InputError(
+            f"At tick {run.tick} the run does not rest: two hyperperiods move its state by "
+            f"{moved:.2g}, so that what a user wants moves; choose such a moment with --at that it "
+            "stands still."
+        )
 
 
 def _refuse_changing_modes(run: RunMap) -> None:
@@ -94,8 +119,22 @@ def moving_inputs(run: RunMap) -> str | None:
 
 def _timed_outputs(run: RunMap) -> dict[str, float]:
     """Every output that no input and no state moves."""
+    wired = {
+        (link.target.component, _bare(link.target.path))
+        for link in run.simulation.scenario.connections
+    }
+    parts = run.simulation.scenario.components
     found: dict[str, float] = {}
     for name, each in run.fmus.items():
-        if not each.declared.live:
-            found |= {f"{name}.{path}": value for path, value in each.timed_outputs().items()}
+        if each.declared.live and parts[name].source not in FOLLOW_TIME:
+            continue
+        moved_inputs = {path for component, path in wired if component == name}
+        found |= {
+            f"{name}.{path}": value for path, value in each.timed_outputs(moved_inputs).items()
+        }
     return found
+
+
+def _bare(path: str) -> str:
+    """Without the element."""
+    return path.partition("[")[0]

@@ -87,7 +87,7 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
             so that all that may still arrive is in flight.
         at: the moment (s); None: for what is linear any, else the last one at which nothing moves.
         near: the operating point of a run that differs in parameters alone; the search begins
-            there, and nothing is run.
+            there, and nothing is run. Of no account where the plan differs as well.
 
     Raises:
         InputError: a part has no derivative or does not declare its state, or nothing rests.
@@ -95,7 +95,9 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
     scenario = written.built()
     refuse_what_has_no_theory(scenario)
     if near is not None:
-        return _settled(scenario, near.run)
+        point = _settled(scenario, near.run)
+        if point is not None:
+            return point
     with ExitStack() as until_known:
         run = _stand(until_known.enter_context(_started(scenario)), at)
         if run is not None and run.is_linear:
@@ -111,17 +113,23 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
                 run = _stand(simulation, at)
                 assert run is not None
                 refuse_moving(run)
-                return _settled(scenario, run)
+                found = _settled(scenario, run)
             except InputError as problem:
                 problems.append(problem)
+            else:
+                assert found is not None, "damping is a parameter"
+                return found
     raise problems[-1]
 
 
-def _settled(scenario: Scenario, near: RunMap) -> Point:
-    """A run of its own at its operating point near where another stands."""
+def _settled(scenario: Scenario, near: RunMap) -> Point | None:
+    """A run of its own at its operating point near where another stands; None: of another plan."""
     simulation = _started(scenario)
     try:
         run = RunMap(simulation)
+        if not run.has_plan_of(near):
+            simulation.close()
+            return None
         run.adopt(near)
         return Point(run, settle(run), run.tick)
     except BaseException:
@@ -193,9 +201,12 @@ def _last_rest(scenario: Scenario) -> Fraction:
         last: int | None = None
         moving: str | None = ""
         try:
+            simulation.advance(first)
+            run = RunMap(simulation)
             for tick in range(first, scenario.ticks + 1, looked):
                 simulation.advance(tick)
-                moving = moving_inputs(RunMap(simulation))
+                run.restart()
+                moving = moving_inputs(run)
                 if moving is None:
                     last = tick
         except RunError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cosim.analysis.chance.delays import HARMLESS, link_delays
+from cosim.analysis.wires import turned_parameters
 from cosim.base.errors import InputError
 from cosim.scenario import Kind, Scenario, ScenarioComponent
 
@@ -22,20 +23,7 @@ def refuse_what_has_no_theory(scenario: Scenario) -> None:
     Raises:
         InputError: by name and place.
     """
-    for event in scenario.events:
-        raise InputError(
-            f"{event.target} is turned at tick {event.tick}, and the theory of a run is of one "
-            "plan: lay a file with 'events: ~' over it, and set what is in force at the moment "
-            "that you ask for.",
-            scenario.locate(event.written),
-        )
-    for number, link in enumerate(scenario.connections):
-        if link.target.component in scenario.channels:
-            raise InputError(
-                f"{link} turns a channel, and the theory of a run is of one plan: leave the "
-                "connection out, and set what is in force at the moment that you ask for.",
-                scenario.locate(("connections", number)),
-            )
+    refuse_turned(scenario)
     for link in chances(scenario):
         link_delays(scenario, link)
     read = {link.source.component for link in scenario.connections}
@@ -51,6 +39,28 @@ def refuse_what_has_no_theory(scenario: Scenario) -> None:
             _refuse_deadband(scenario, part)
             _refuse_passivity(scenario, part)
             _refuse_intent(scenario, part)
+
+
+def refuse_turned(scenario: Scenario) -> None:
+    """Refuse what is turned on the way, by events and by connections: the theory is of one plan.
+
+    Raises:
+        InputError: by name and place.
+    """
+    for event in scenario.events:
+        raise InputError(
+            f"{event.target} is turned at tick {event.tick}, and the theory of a run is of one "
+            "plan: lay a file with 'events: ~' over it, and set what is in force at the moment "
+            "that you ask for.",
+            scenario.locate(event.written),
+        )
+    for number, link in turned_parameters(scenario):
+        what = "a channel" if link.target.component in scenario.channels else "a parameter"
+        raise InputError(
+            f"{link} turns {what}, and the theory of a run is of one plan: leave the connection "
+            "out, and set what is in force at the moment that you ask for.",
+            scenario.locate(("connections", number)),
+        )
 
 
 def _refuse_deadband(scenario: Scenario, part: ScenarioComponent) -> None:

@@ -142,6 +142,19 @@ class RunMap:
         self._put(state, None)
         self.restart()
 
+    def has_plan_of(self, other: RunMap) -> bool:
+        """Whether the same parts step, hold and send at the same ticks as in another run."""
+        mine, theirs = (
+            (
+                one.hyperperiod,
+                one.cells.size,
+                {name: each.words.size for name, each in one.fmus.items()},
+                [bundle.plan for bundle in one.bundles],
+            )
+            for one in (self, other)
+        )
+        return mine == theirs
+
     def adopt(self, other: RunMap) -> None:
         """Stand where another run of the same plan does, whose parameters are others."""
         kernel = self.program.kernel

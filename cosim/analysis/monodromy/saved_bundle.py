@@ -45,6 +45,11 @@ class SavedBundle:
         self._put = None
 
     @property
+    def plan(self) -> tuple[int, int, int]:
+        """Its period and delay (ticks), and how many values it carries."""
+        return self.bundle.period, self.delay, len(self.bundle.entries)
+
+    @property
     def flying(self) -> int:
         """Packets in flight at the start."""
         return int(self.values["in_flight"])

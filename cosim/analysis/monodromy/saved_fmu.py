@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,16 +90,15 @@ class SavedFmu:
                 return self.declared.names[place]
         return None
 
-    def timed_outputs(self) -> dict[str, float]:
-        """The outputs now that depend on no input, by name."""
+    def timed_outputs(self, moved: Collection[str]) -> dict[str, float]:
+        """The outputs now that depend on none of the ``moved`` inputs, by element."""
         words, description = _words(self.fmu.states.save()), self.fmu.description
-        return {
-            name: self.declared.value(words, name)
-            for name, variable in description.variables.items()
-            if variable.causality is Causality.OUTPUT
-            and not description.dependencies.get(name)
-            and not variable.shape
-        }
+        found: dict[str, float] = {}
+        for name, variable in description.variables.items():
+            sources = {one.partition("[")[0] for one in description.dependencies.get(name, ())}
+            if variable.causality is Causality.OUTPUT and sources.isdisjoint(moved):
+                found |= self.declared.elements(words, name)
+        return found
 
     def read(self) -> tuple[Real, str | None]:
         """The live numbers at the end, and the first word that is not as undisturbed, by name."""

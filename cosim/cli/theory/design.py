@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -73,14 +74,22 @@ def command(
     if loop.scenario is not None:
         from cosim.analysis.network import network_of
 
-        known = network_of(loop.scenario) or known
+        measured = network_of(loop.scenario) or known
+        known = replace(measured, delay=known.delay) if loop.says_delay else measured
     network = Network(
         period=timing.network_period,
         delay=known.delay if delay is None else delay,
         jitter=known.jitter if jitter is None else jitter,
         loss=known.loss if loss is None else loss,
     )
-    found = design(loop.parameters, network, timing.control_period, margin, explain=explain)
+    found = design(
+        loop.parameters,
+        network,
+        timing.control_period,
+        margin,
+        explain=explain,
+        computation_delay=timing.computation_delay,
+    )
     written = overlay(loop.parameters, found)
     if out is not None:
         with writing(out):

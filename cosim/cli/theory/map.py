@@ -43,12 +43,12 @@ def command(
         if not low < high:
             raise InputError(f"--range {span} is empty: give LOW:HIGH with LOW below HIGH.")
         axes.append(Axis(name, np.linspace(low, high, points)))
-    delay = loop.timing.delay.total
+    delay = loop.timing.delay
     cells = stability_maps(loop.parameters, loop.timing, axes[0], axes[1], [delay])
     if out is not None:
         from cosim.report.theory_figures import draw_map
 
-        draw_map(cells, (axes[0], axes[1]), [delay], describe(loop), out)
+        draw_map(cells, (axes[0], axes[1]), [delay.total], describe(loop), out)
     share = float(cells.mean())
     result = {
         "stable_share": share,

@@ -70,6 +70,7 @@ def design(
     margin: float,
     *,
     explain: bool = False,
+    computation_delay: int = 0,
 ) -> Design:
     """Find the stiffest couplers for a network.
 
@@ -79,6 +80,7 @@ def design(
         control_period: T_c in s.
         margin: m, see ``corners_of``.
         explain: find out what limits each stiffness, which takes longer.
+        computation_delay: ticks of T_c between a coupler's inputs and its force.
 
     Raises:
         InputError: where no gains stand the corners, or the given ones do not.
@@ -93,7 +95,8 @@ def design(
             f"{float(ratio):.4g}. The nearest network rate that fits is "
             f"{float(1 / (control_period * nearest)):.6g} Hz."
         )
-    timing = Timing(control_period, ratio, PathDelay.each_way(network.fixed_delay))
+    delay = PathDelay.each_way(network.fixed_delay)
+    timing = Timing(control_period, ratio, delay, computation_delay)
     names = STIFFNESS[parameters.architecture] + DAMPING[parameters.architecture]
     start = {name: _START[name] for name in names if not _is_given(parameters, name)}
     judge = _Judge(parameters, network, timing, corners_of(parameters, network, margin))

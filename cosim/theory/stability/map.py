@@ -39,9 +39,13 @@ class Axis:
 
 
 def stability_maps(
-    parameters: Parameters, timing: Timing, x: Axis, y: Axis, round_trips: Sequence[int]
+    parameters: Parameters,
+    timing: Timing,
+    x: Axis,
+    y: Axis,
+    delays: Sequence[PathDelay | int],
 ) -> Bool:
-    """Which cells of the plane are stable, for several round-trip delays.
+    """Which cells of the plane are stable, for several delays.
 
     Two users and whole ratios go through the Schur–Cohn test, everything else through eigenvalues,
     cell by cell.
@@ -51,7 +55,7 @@ def stability_maps(
         timing: rates; its delay is replaced.
         x: the horizontal axis.
         y: the vertical axis.
-        round_trips: delays n in network samples.
+        delays: of the two directions, or a round trip of n network samples.
 
     Returns:
         Shape (delays, y points, x points).
@@ -59,14 +63,15 @@ def stability_maps(
     for axis in (x, y):
         for end in (axis.values[0], axis.values[-1]):
             parameters.replaced({axis.name: float(end)})
+    paths = [PathDelay.round_trip(one) if isinstance(one, int) else one for one in delays]
     if parameters.users > 2 or timing.ratio.denominator != 1:
-        return _by_eigenvalues(parameters, timing, x, y, round_trips)
+        return _by_eigenvalues(parameters, timing, x, y, paths)
     columns, rows = np.meshgrid(x.values, y.values)
     values = _varied(parameters, {x.name: columns.ravel(), y.name: rows.ravel()})
     open_loop, feedback, neutral = _polynomials(parameters, values, timing)
     maps: list[Bool] = []
-    for delay in round_trips:
-        polynomial = np.concatenate([open_loop, np.zeros((delay, *open_loop.shape[1:]))])
+    for path in paths:
+        polynomial = np.concatenate([open_loop, np.zeros((path.total, *open_loop.shape[1:]))])
         polynomial[polynomial.shape[0] - feedback.shape[0] :] -= feedback
         for _ in range(neutral):
             polynomial = divide_by_z_minus_one(polynomial)
@@ -229,15 +234,15 @@ def _resampled(tick: Real, push: Real, samples: int) -> tuple[Real, Real]:
 
 
 def _by_eigenvalues(
-    parameters: Parameters, timing: Timing, x: Axis, y: Axis, round_trips: Sequence[int]
+    parameters: Parameters, timing: Timing, x: Axis, y: Axis, paths: Sequence[PathDelay]
 ) -> Bool:
-    maps = np.zeros((len(round_trips), y.values.size, x.values.size), dtype=np.bool_)
+    maps = np.zeros((len(paths), y.values.size, x.values.size), dtype=np.bool_)
     for row, vertical in enumerate(y.values):
         for column, horizontal in enumerate(x.values):
             model = parameters.replaced(
                 {x.name: float(horizontal), y.name: float(vertical)}
             ).model()
-            for number, delay in enumerate(round_trips):
-                timed = replace(timing, delay=PathDelay.round_trip(delay))
+            for number, path in enumerate(paths):
+                timed = replace(timing, delay=path)
                 maps[number, row, column] = stability(model, timed).stable
     return maps

@@ -61,6 +61,20 @@ def spring_energy(r: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
+def follow_the_laws_of_friction(r: dict[str, np.ndarray]) -> None:
+    """Coulomb's where it slides, at most that where it sticks, none where nothing touches.
+
+    So that what is taken as friction's below is no mere remainder.
+    """
+    state, normal, along = r["state"], r["normal"], r["along"]
+    sliding = state == SLIDE
+    np.testing.assert_allclose(np.abs(along[sliding]), MU * normal[sliding], atol=1e-12)
+    stuck = (state > 0) & ~sliding
+    assert stuck.any()
+    assert np.all(np.abs(along[stuck]) <= MU * normal[stuck] + 1e-12)
+    assert np.all(along[state == 0] == 0.0)
+
+
 @pytest.mark.parametrize("push", [0, 1])
 @pytest.mark.parametrize("max_force", [1e6, 0.4])
 def test_the_audit_closes(max_force: float, push: int) -> None:
@@ -68,6 +82,7 @@ def test_the_audit_closes(max_force: float, push: int) -> None:
     assert (r["state"] == SLIDE).any()
     assert (r["state"] == 0).any()
     assert (r["saturated"] > 0) == (max_force < 10)
+    follow_the_laws_of_friction(r)
     moved, carried = np.diff(r["x"], axis=0), np.diff(r["q"], axis=0)
     wanted = np.column_stack([-r["along"], r["normal"]])[:-1]
     rendered, onto = r["force"][:-1], r["box"][:-1]
@@ -178,3 +193,32 @@ def test_a_device_behind_an_amplifier_reports_its_own_work() -> None:
         bench["finger_1.device_work"] = 0.25 * tick
         assert bench["finger_1.observed_energy"] == -0.25 * tick
         bench.step()
+
+
+def struck(push: int) -> tuple[float, int]:
+    """Energy after an impact over that before, and how many ticks were saturated.
+
+    100 g strike the box at 0.3 m/s; the device gives 0.4 N of the 3 N that the coupler asks for.
+    """
+    bench = Bench(
+        "distributed_workstation", [(0.0, 0.06)], peers=0, inertia=1e9, ground_friction=0.0
+    )
+    bench.instance.set({"finger_1.max_force": 0.4, "box_is_pushed_with": push})
+    bench.instance.initialise()
+    mass, y, v = 0.1, 0.06, -0.3
+    for _ in range(400):
+        bench.put((0.0, y))
+        force = float(bench["finger_1.force"][1])
+        bench.step()
+        y, v = y + T * v + 0.5 * T * T * force / mass, v + T * force / mass
+    speed = bench.planar("box_velocity")[:2]
+    depth = max(0.0, HALF - (y - bench.planar("box_pose")[1]))
+    after = 0.5 * mass * v * v + 0.5 * MASS * speed @ speed + 0.5 * K_N * depth**2
+    return float(after / (0.5 * mass * 0.3**2)), int(bench["finger_1.saturated_ticks"])
+
+
+def test_a_limited_device_gains_no_energy_where_the_box_gets_what_the_hand_does() -> None:
+    gained, saturated = struck(0)
+    assert gained > 1.2
+    assert saturated > 10
+    assert struck(1)[0] < 1.01

@@ -15,8 +15,8 @@ from cosim.base.errors import InputError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import assemble
 from cosim.scenario.load import read
+from tests.support.theory.mutations import BODIES, NAMES, mutations
 
-NAMES = ("single_user", "single_axis_centralized", "single_axis_distributed")
 KICKS = {
     "hand_1": (0.011, 0.13),
     "hand_2": (-0.004, -0.21),
@@ -24,56 +24,6 @@ KICKS = {
     "object_1": (0.002, 0.05),
     "object_2": (-0.001, 0.02),
 }
-BODIES = {
-    "single_user": ("hand_1", "object"),
-    "single_axis_centralized": ("hand_1", "object", "hand_2"),
-    "single_axis_distributed": ("hand_1", "object_1", "object_2", "hand_2"),
-}
-COUPLER = {
-    "single_user": "coupler_1",
-    "single_axis_centralized": "coupler_1",
-    "single_axis_distributed": "coupler_11",
-}
-
-
-def mutations(generator: np.random.Generator, name: str) -> list[str]:
-    """One to three changes, of those that the closed forms do not or did not know."""
-    body, coupler = BODIES[name][1], COUPLER[name]
-    wires = read(name).built().connections
-    inner = [n for n, wire in enumerate(wires) if wire.via is None and wire.source.path != "value"]
-
-    def wire(more: str) -> str:
-        number = int(generator.choice(inner))
-        return f"connections.{number}={wires[number].source} -> {wires[number].target} {more}"
-
-    choices = [
-        lambda: f"components.{body}.parameters.wall_stiffness={10 ** generator.uniform(2, 6)}",
-        lambda: f"components.{body}.parameters.mass={generator.uniform(0.1, 2)}",
-        lambda: f"components.{coupler}.parameters.stiffness={10 ** generator.uniform(1, 4)}",
-        lambda: f"components.{coupler}.parameters.damping={generator.uniform(1, 15)}",
-        lambda: (
-            f"components.{coupler}.parameters.computation_delay_ticks={generator.integers(1, 4)}"
-        ),
-        lambda: wire(f"delay {generator.integers(1, 5)} ticks"),
-        lambda: wire("at 512 Hz"),
-        lambda: wire("at 64 Hz"),
-        lambda: "base_rate=2048 Hz",
-        lambda: f"components.{body}.rate=512 Hz",
-        lambda: f"components.{coupler}.rate=512 Hz",
-    ]
-    if name != "single_user":
-        choices += [
-            lambda: "rates.network=64 Hz",
-            lambda: "rates.network=256 Hz",
-            lambda: f"channels.lan.round_trip_delay={generator.integers(0, 6)}",
-            lambda: (
-                "channels.lan={between: [station_1, station_2], rate: network, delay: "
-                f"{{forward: {generator.integers(0, 21)} ticks, backward: 3 ticks}}}}"
-            ),
-        ]
-    count = int(generator.integers(1, 4))
-    picked = generator.choice(len(choices), size=count, replace=False)
-    return [choices[int(number)]() for number in picked]
 
 
 def still(name: str) -> list[str]:

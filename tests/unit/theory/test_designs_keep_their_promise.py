@@ -66,3 +66,16 @@ def test_a_design_takes_less_than_three_tenths_of_a_second() -> None:
         design(parameters, network, Fraction(1, 1024), MARGIN)
         times.append(time.process_time() - began)
     assert min(times) < 0.3
+
+
+def test_late_packets_hold_in_the_simulation() -> None:
+    """Jitter too: each packet draws its delay in the run's own maps."""
+    parameters, steady = random_case(1)
+    network = replace(steady, delay=0.5 * float(steady.period), jitter=0.002, loss=0.02)
+    found = design(parameters, network, Fraction(1, 1024), MARGIN)
+    seen = confirmed(parameters, network, found, MARGIN)
+    assert seen.keys() == found.corners.keys()
+    assert sum(name.startswith("loss and jitter") for name in seen) == 2
+    for name, radius in seen.items():
+        assert radius < 1.0, name
+        assert radius == pytest.approx(found.corners[name], abs=1e-6), name

@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from cosim.base.errors import InputError
-from cosim.cli.theory.support.run_options import RUN_OPTIONS, read_run, refuse_run_options
+from cosim.cli.theory.support.run_options import (
+    RUN_OPTIONS,
+    is_path,
+    read_run,
+    refuse_run_options,
+)
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import (
     ARCHITECTURES,
@@ -38,13 +43,15 @@ class Loop:
         parameters: its parameters, by the thesis's names.
         timing: its rates and delays.
         notes: sentences about how it was read, for people.
-        scenario: where the network comes from, unless the options say a delay.
+        scenario: where the network comes from.
+        says_delay: whether the options say a delay, which is then not the scenario's.
     """
 
     parameters: Parameters
     timing: Timing
     notes: tuple[str, ...] = ()
     scenario: Scenario | None = None
+    says_delay: bool = False
 
     @property
     def architecture(self) -> Architecture:
@@ -195,7 +202,7 @@ def _loop(
     if any(form is not None for form in delay_forms):
         given_delay = read_delay(*delay_forms)
     if scenario is not None:
-        paths = tuple(text for text in settings if "." in text.partition("=")[0])
+        paths = tuple(text for text in settings if is_path(text))
         found, loaded = _from_scenario(scenario, overlays, paths, exact=exact)
         if architecture not in {None, found.architecture} or users not in {None, found.users}:
             raise InputError(
@@ -226,7 +233,6 @@ def _loop(
         changes["sampling"] = sampling.replace("-", "_")
     if given_delay is not None:
         changes["delay"] = given_delay
-        loaded = None
     if computation_delay is not None:
         changes["computation_delay"] = computation_delay
     if named == "single":
@@ -237,18 +243,20 @@ def _loop(
             )
         # One frame is one control tick.
         changes |= {"ratio": Fraction(1), "delay": PathDelay()}
-    return Loop(parameters, replace(base, **changes), notes, loaded)
+    return Loop(parameters, replace(base, **changes), notes, loaded, given_delay is not None)
 
 
 def _from_scenario(
     name: str, overlays: tuple[str, ...], paths: tuple[str, ...], *, exact: bool
 ) -> tuple[ScenarioLoop, Scenario]:
-    from cosim.analysis.loop import read_loop, refuse_what_chapters_leave_out
+    from cosim.analysis.compensation import tuned
+    from cosim.analysis.loop import read_loop
+    from cosim.analysis.monodromy.refusal import refuse_turned
     from cosim.scenario.load import read
 
-    written = read(name, overlays, paths)
+    written = tuned(read(name, overlays, paths))
     scenario = written.built()
-    refuse_what_chapters_leave_out(scenario)
+    refuse_turned(scenario)
     found = read_loop(scenario)
     if exact:
         from cosim.analysis.exact_loop import refuse_another_loop

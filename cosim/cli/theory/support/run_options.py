@@ -89,8 +89,8 @@ def read_run(
                 f"--{name.replace('_', '-')} describes a loop that is no scenario's, which has its "
                 "own: change the scenario instead, such as --set rates.network='64 Hz'."
             )
-    named = [text for text in settings if not _is_path(text)]
-    written = read(file, overlays, [text for text in settings if _is_path(text)])
+    named = [text for text in settings if not is_path(text)]
+    written = read(file, overlays, [text for text in settings if is_path(text)])
     written = _with_delays(written, options)
     late = options["computation_delay"]
     if late is not None:
@@ -116,7 +116,8 @@ def refuse_run_options(options: dict[str, Any]) -> None:
             raise InputError(f"{word} is about a run: give --scenario FILE too.")
 
 
-def _is_path(text: str) -> bool:
+def is_path(text: str) -> bool:
+    """Whether --set means something of the scenario, and no parameter by the thesis's name."""
     name = text.partition("=")[0].strip()
     return "." in name or name in TOP_LEVEL
 
@@ -139,8 +140,14 @@ def _with_delays(written: Written, options: dict[str, Any]) -> Written:
             "--forward-delay with --backward-delay."
         )
     form, value = asked.popitem()
+    channels = written.built().channels
+    if not channels:
+        raise InputError(
+            "The scenario has no channel, so that there is no delay to change: leave it out, or "
+            "take --computation-delay."
+        )
     sets: list[str] = []
-    for channel in written.built().channels:
+    for channel in channels:
         sets += [f"channels.{channel}.{other}=~" for other in given]
         sets.append(f"channels.{channel}.{form}={value}")
     return written.changed(sets)
@@ -153,6 +160,11 @@ def _with_late_couplers(written: Written, ticks: int) -> Written:
         for name, part in scenario.components.items()
         if part.is_bundled and part.source in {"virtual_coupler", "pantograph"}
     ]
+    if not parts:
+        raise InputError(
+            "The scenario has neither virtual couplers nor pantographs, which alone have a "
+            "computation delay: leave --computation-delay out."
+        )
     return written.changed(
         [f"components.{name}.parameters.computation_delay_ticks={ticks}" for name in parts]
     )
