@@ -26,7 +26,7 @@ class BoardExchange:
         self.zeroing = False
         """Whether the last thing put on the wire is a zero that no answer has confirmed yet."""
         self.input_held = False
-        """Whether the switch on the board was closed in its newest answer."""
+        """Whether the switch on the board was closed in all answers that came last."""
         self.zeros = 0
         """Answers so far that confirmed zero."""
         self.punctuality = Punctuality(driver.tick)
@@ -60,8 +60,8 @@ class BoardExchange:
     def receive(self) -> Received:
         """What came; a confirmed zero is noted, for the supervisor as well."""
         received = self.driver.receive()
-        if received.input_held is not None:
-            self.input_held = received.input_held
+        held = [each.input_held for each in received.each if each.input_held is not None]
+        self.input_held = all(held) if held else self.input_held
         if received.zero_confirmed:
             self.zeros += 1
             self.sent, self.zeroing = ZERO, False

@@ -92,6 +92,13 @@ class Received:
     """The board's own clock (s) as the sample was taken, where it has one."""
     error: DeviceError | None = None
     """What is wrong with the board or its bus, where something is."""
+    earlier: tuple[Received, ...] = ()
+    """What came before it in the same tick, the oldest first: judged, and no new sample."""
+
+    @property
+    def each(self) -> tuple[Received, ...]:
+        """All that came in the tick, the oldest first."""
+        return (*self.earlier, self)
 
 
 NOTHING = Received()

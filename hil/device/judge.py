@@ -36,7 +36,11 @@ class Judge:
         self._astray, self._followed, self._contradicted = 0, False, 0
 
     def verdict(self, received: Received, state: State) -> Trip | None:
-        """Why the device has to go into FAULT because of this reply, or ``None``."""
+        """Why the device has to go into FAULT because of what came in a tick, or ``None``."""
+        trips = (self._of_one(each, state) for each in received.each)
+        return next((trip for trip in trips if trip is not None), None)
+
+    def _of_one(self, received: Received, state: State) -> Trip | None:
         error = received.error
         if error is not None:
             return Trip(error.cause, str(error))

@@ -38,6 +38,13 @@ class Heard:
     """The board's own clock (s), where an answer came."""
     error: DeviceError | None = None
     """What the board says is wrong with it, or what its answers make no sense of."""
+    earlier: tuple[Heard, ...] = ()
+    """What came before it in the same tick, the oldest first: judged, and no new sample."""
+
+    @property
+    def each(self) -> tuple[Heard, ...]:
+        """All that came in the tick, the oldest first."""
+        return (*self.earlier, self)
 
 
 SILENT = Heard()

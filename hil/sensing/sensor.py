@@ -7,6 +7,7 @@ which ends the run and brings every device of it to zero.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import nan
 from typing import Self, final
@@ -95,8 +96,10 @@ class Sensor:
         except Exception as error:
             self._trip_on(error)
             return None
-        said = Received(device_time=heard.device_time, error=heard.error)
-        trip = self._judge.verdict(said, self.state)
+        *earlier, newest = (
+            Received(device_time=each.device_time, error=each.error) for each in heard.each
+        )
+        trip = self._judge.verdict(replace(newest, earlier=tuple(earlier)), self.state)
         if trip is not None:
             self._trip(trip)
             return None

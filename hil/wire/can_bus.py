@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -21,6 +21,7 @@ from hil.wire.can_errors import trouble
 from hil.wire.can_load import refuse_overload
 from hil.wire.can_options import can_options, refuse_other_options
 from hil.wire.can_port import CanFrame, CanPort, FrameKind
+from hil.wire.can_received import ReceivedFrames
 from hil.wire.ownership import OwnedNodes
 from hil.wire.python_can import PythonCanPort, raw_bus
 from hil.wire.serial_port import (
@@ -65,25 +66,15 @@ class CanBus:
     """What opens a tick's collection: sending SYNC."""
     pipelined: bool = False
     """Whether a tick begins with the answers to the last one's SYNC, and waits for none."""
-    events: dict[int, list[bytes]] = field(default_factory=dict[int, "list[bytes]"])
-    """Identifiers of which every frame matters, with those that nobody has taken yet."""
     extra: tuple[int, ...] = ()
     """Sizes of the frames that the bus itself sends in a tick (SYNC)."""
     sent: int = 0
-    _received: int = 0
-    _mine: set[int] = field(default_factory=set[int])
-    _latest: dict[int, tuple[int, bytes]] = field(default_factory=dict[int, "tuple[int, bytes]"])
-    _came_after: dict[int, int] = field(default_factory=dict[int, int])
-    """Per identifier: the number of the SYNC that its newest frame came after."""
-    _sync: int = 0
-    """The newest SYNC's number; who begins anew counts as one."""
-    _answered: int = 0
-    """The number of the SYNC whose answers are read."""
+    received: ReceivedFrames = field(default_factory=ReceivedFrames)
     _collected: set[object] = field(default_factory=set[object])
     _stepping: bool = False
-    _complaint: str | None = None
-    _off: bool = False
-    """Whether the controller has left the bus."""
+    complaint: str | None = None
+    """What the controller said of the bus since the last frame came."""
+    _is_off: bool = False
     _on_the_bus: int = 0
     """Frames of ours that the kernel handed back."""
     _sent_before: deque[int] = field(default_factory=lambda: deque[int](maxlen=QUEUE_TICKS))
@@ -134,19 +125,19 @@ class CanBus:
             settled_counts(self.control, QUIET_AFTER_DEATH)
             self.resume()
         self._drain()
-        self._sync += 1
+        self.received.sync += 1
 
     def resume(self) -> None:
         """Go on after somebody else has used the wire: what came for them is no answer to us."""
         self._drain(SETTLE_SECONDS)
-        self._sync += 1
+        self.received.sync += 1
         self.count_from_here()
 
     def count_from_here(self) -> None:
         """Take over the emulator's counts; nothing may be under way."""
         if self.control is not None:
             state = self.control.ask("state")
-            self.sent, self._received = int(state["received"]), int(state["written"])
+            self.sent, self.received.count = int(state["received"]), int(state["written"])
 
     def send(self, identifier: int, data: bytes = b"", *, remote: bool = False) -> None:
         """Send a frame.
@@ -159,11 +150,11 @@ class CanBus:
         except DeviceGone as error:
             raise DeviceGone(f"the bus {self.name} {error}{self._because}") from error
         self.sent += 1
-        self._mine.add(identifier)
+        self.received.claim((identifier,))
         self._collected.clear()  # who writes has read: whoever reads next begins a tick
 
     def collect(self, device: object) -> None:
-        """Have this tick's frames in ``latest``; the first device of a tick does the work."""
+        """Have this tick's frames in ``received``; the first device of a tick does the work."""
         self._refuse_if_off()
         if device not in self._collected and self._collected:
             self._collected.add(device)
@@ -176,17 +167,16 @@ class CanBus:
         if self.begin_tick is not None:
             # What is here by now answered an earlier SYNC, and does not say which.
             self._drain()
-            self._sync += 1
-            self._answered = self._sync
+            self.received.sync += 1
+            self.received.answered = self.received.sync
             self.begin_tick()
         self._collected = {device}
         self._refuse_queue()
         if self._stepping and self.control is not None:
             self._step(self.control)
             return
-        missing = set(self.awaited)
         deadline = time.monotonic() + self.budget
-        missing -= self._drain()
+        missing = self.awaited - self._drain()
         while missing:
             left = deadline - time.monotonic()
             if left <= 0:
@@ -199,54 +189,27 @@ class CanBus:
             self._step(self.control)
         else:
             self._drain()
-        self._answered = self._sync
-        self._sync += 1
+        self.received.answered = self.received.sync
+        self.received.sync += 1
         begin_tick()
 
     def _step(self, control: Control) -> None:
         """In lock-step: let the emulator deal with all that was sent, and take what it says."""
         expected, end = control.sync(self.sent), time.monotonic() + PATIENCE
-        late = False
+        received, late = self.received, False
         self._drain()
-        while self._received < expected and not late:
+        while received.count < expected and not late:
             late = time.monotonic() > end
             self._drain(SETTLE_SECONDS)
-        self._received = max(self._received, expected)  # what is not here by now was lost
-
-    def latest(self, identifier: int) -> tuple[int, bytes] | None:
-        """The newest frame of an identifier: (how many came so far, data)."""
-        return self._latest.get(identifier)
-
-    def answer(self, identifier: int) -> bytes | None:
-        """What answered the SYNC whose answers are read, under an identifier; ``None``: nothing."""
-        if self._came_after.get(identifier, -1) < self._answered:
-            return None
-        return self._latest[identifier][1]
-
-    def taken(self, identifier: int) -> Sequence[bytes]:
-        """Every frame of an identifier in ``events`` since the last time."""
-        frames = self.events[identifier]
-        if not frames:
-            return ()
-        self.events[identifier] = []
-        return frames
-
-    def claim(self, identifiers: Iterable[int]) -> None:
-        """Frames of these identifiers are our own, whoever sends them through ``raw``."""
-        self._mine.update(identifiers)
+        received.count = max(received.count, expected)  # what is not here by now was lost
 
     def for_set_up(self) -> AbstractContextManager[Any]:
         """A python-can bus on the same wire, while nobody else uses it."""
         return self.port.for_set_up()
 
     @property
-    def complaint(self) -> str | None:
-        """What the controller said of the bus since the last frame came."""
-        return self._complaint
-
-    @property
     def _because(self) -> str:
-        return "" if self._complaint is None else f"; {self._complaint}"
+        return "" if self.complaint is None else f"; {self.complaint}"
 
     def _drain(self, wait: float = 0.0) -> set[int]:
         seen: set[int] = set()
@@ -267,19 +230,12 @@ class CanBus:
 
     def _take(self, frame: CanFrame) -> bool:
         """Whether it is a data frame of somebody else's."""
-        identifier = frame.identifier
         if frame.kind is not FrameKind.DATA:
             self._take_other(frame)
             return False
-        if identifier in self._mine:  # udp_multicast hands a sender its own frames
+        if not self.received.take(frame.identifier, frame.data):
             return False
-        self._complaint = None
-        self._received += 1
-        before = self._latest.get(identifier)
-        self._latest[identifier] = (1 if before is None else before[0] + 1, frame.data)
-        self._came_after[identifier] = self._sync
-        if identifier in self.events:
-            self.events[identifier].append(frame.data)
+        self.complaint = None
         return True
 
     def _take_other(self, frame: CanFrame) -> None:
@@ -287,11 +243,11 @@ class CanBus:
             self._on_the_bus += 1
         elif frame.kind is FrameKind.ERROR:
             found = trouble(frame.identifier, frame.data)
-            self._complaint, self._off = found.said, found.is_off
+            self.complaint, self._is_off = found.said, found.is_off
             self._refuse_if_off()
 
     def _refuse_if_off(self) -> None:
-        if self._off:
+        if self._is_off:
             raise DeviceGone(f"the bus {self.name} is gone{self._because}")
 
     def _refuse_queue(self) -> None:

@@ -71,7 +71,9 @@ def odrive_driver(data: bytes) -> None:
         device.write(tick, (0.0, 0.0))
         if measured.sample_age == 0 and device.state is not State.FAULT:
             for node in (0, 1):
-                latest = bus.latest(odrive.identifier(node, odrive.OdriveCommand.ESTIMATES))
+                latest = bus.received.latest(
+                    odrive.identifier(node, odrive.OdriveCommand.ESTIMATES)
+                )
                 assert latest is not None
                 turns = odrive.estimates(latest[1])[0]
                 assert measured.joint_angle[node] == 2 * pi * turns

@@ -129,7 +129,7 @@ class CanopenDriver(CanopenMaster):
             zero_confirmed=confirmed,
             watchdog_fired=fired,
             contradiction=astray,
-            error=self._wrong(events) if self._running else None,
+            error=self._wrong(events) if self._running else self._refused(events),
         )
 
     def silence(self) -> str | None:
@@ -143,7 +143,7 @@ class CanopenDriver(CanopenMaster):
         found: dict[int, int] = {}
         for node in self._layout.measuring:
             joints = self._layout.joints_measured(node)
-            data = bus.answer(wire.positions_id(node))
+            data = bus.received.answer(wire.positions_id(node))
             if data is None:
                 return None
             found.update(zip(joints, wire.positions(data, len(joints)), strict=True))
@@ -238,5 +238,6 @@ class CanopenDriver(CanopenMaster):
         self._armed = False
         if self._expired:
             self._beat()
-        self._watch_us(milliseconds=0)
-        self._start_again()
+        with self._forgives():
+            self._watch_us(milliseconds=0)
+            self._start_again()

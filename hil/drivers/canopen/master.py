@@ -6,7 +6,8 @@ Raw frames alone; nodes are set up before by ``hil.drivers.canopen.remote``.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from functools import partial
 from itertools import count
 from math import ceil
@@ -14,7 +15,7 @@ from time import monotonic
 
 from cosim.base.errors import InputError
 from hil.device.driver import Driver
-from hil.device.errors import ActivationRefused, DeviceError
+from hil.device.errors import ActivationRefused, BoardError, DeviceError
 from hil.drivers.canopen import protocol as wire
 from hil.drivers.canopen.protocol import Index, NmtCommand, NmtState, Object, SdoAnswer
 from hil.drivers.canopen.remote import CanopenTiming
@@ -57,6 +58,8 @@ class CanopenMaster(Driver):
     _silent_ticks = 1
     _armed = False
     """Whether the nodes with outputs watch us, so that we beat."""
+    _forgiving = False
+    """Whether nodes that have missed us are made well again: what they say of it is no news."""
 
     @classmethod
     def latency_of(cls, address: DeviceAddress) -> int:
@@ -107,10 +110,10 @@ class CanopenMaster(Driver):
         bus.begin_tick = partial(bus.send, wire.SYNC)
         bus.awaited.update(wire.positions_id(node) for node in self._measuring)
         for node in self._numbers:
-            bus.events.update({name: [] for name in told_under(node)})
+            bus.received.events.update({name: [] for name in told_under(node)})
         own = [wire.NMT, wire.SYNC, wire.heartbeat_id(self.heartbeat)]
         own += [wire.sdo_request_id(node) for node in self._numbers]
-        bus.claim([*own, *(wire.outputs_id(node) for node in self._driving)])
+        bus.received.claim([*own, *(wire.outputs_id(node) for node in self._driving)])
         return bus
 
     def _check_bus(self, bus: CanBus) -> None:
@@ -118,7 +121,7 @@ class CanopenMaster(Driver):
         if bus.users and bus.begin_tick is None:
             raise InputError(f"{bus.name} carries another protocol; CANopen needs a bus of its own")
         for node in self._numbers:
-            if wire.heartbeat_id(node) in bus.events:
+            if wire.heartbeat_id(node) in bus.received.events:
                 raise InputError(f"CANopen node {node} on {bus.name} belongs to another device")
         if bus.users and bus.pipelined is not is_pipelined(self.address):
             raise InputError(
@@ -135,6 +138,12 @@ class CanopenMaster(Driver):
         missed = {n for n, report in events.reports.items() if report.code == self.expiry_code}
         self._expired |= missed
         return bool(missed) and self._expired.issuperset(self._driving)
+
+    def _refused(self, events: Events) -> DeviceError | None:
+        """What a node reports while it is set up; that it missed us is none, its watch is tried."""
+        watches = {wire.HEARTBEAT_MISSING, wire.RPDO_MISSING}
+        others = {n: each for n, each in events.reports.items() if each.code not in watches}
+        return BoardError(Events(reports=others).said) if others else None
 
     def _late(self) -> bool:
         """Whether the loop's ticks take longer than they should: heartbeats go by the clock."""
@@ -172,11 +181,20 @@ class CanopenMaster(Driver):
         self._until(lambda: self._nodes.all_operational, "its nodes do not start again")
         self._expired.clear()
 
+    @contextmanager
+    def _forgives(self) -> Generator[None]:
+        """Inside, nodes may say that they had missed us, and what it did to them."""
+        self._forgiving = True
+        try:
+            yield
+        finally:
+            self._forgiving = False
+
     def _sdo_answers(self, bus: CanBus) -> list[tuple[int, SdoAnswer]]:
         """What the nodes' SDO servers have answered since the last time."""
         found: list[tuple[int, SdoAnswer]] = []
         for node in self._numbers:
-            for data in bus.taken(wire.sdo_answer_id(node)):
+            for data in bus.received.taken(wire.sdo_answer_id(node)):
                 self._answers[node] = answer = wire.sdo_answer(data)
                 found.append((node, answer))
         return found
@@ -197,7 +215,7 @@ class CanopenMaster(Driver):
         for node in self._numbers:
             bus.awaited.discard(wire.positions_id(node))
             for name in told_under(node):
-                bus.events.pop(name, None)
+                bus.received.events.pop(name, None)
         bus.leave(self)
 
     # --- outside the loop ------------------------------------------------------------------------
@@ -232,7 +250,9 @@ class CanopenMaster(Driver):
 
     def _until(self, done: Callable[[], bool], otherwise: str) -> None:
         for _ in range(SETUP_TICKS):
-            self.receive()
+            error = self.receive().error
+            if error is not None and not self._forgiving:
+                raise error
             if done():
                 return
             self._between()

@@ -53,8 +53,8 @@ class Supervision:
         """
         events = Events()
         for node, heartbeats, emergencies in self._told:
-            self._hear(node, bus.taken(heartbeats), events)
-            for data in bus.taken(emergencies):
+            self._hear(node, bus.received.taken(heartbeats), events)
+            for data in bus.received.taken(emergencies):
                 report = wire.emergency(data)
                 # One that takes errors back, and whose register shows one still, does not.
                 if report.code or report.register:

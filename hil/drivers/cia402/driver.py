@@ -7,11 +7,9 @@ heartbeat and, by a timer, our commands themselves; either takes their torque of
 
 from __future__ import annotations
 
-from collections import deque
 from math import ceil
 from typing import ClassVar
 
-from cosim.base.errors import InputError
 from hil.device.contract import ZERO, BusUse, Received, Watchdog
 from hil.device.errors import ActivationRefused, BoardError, DeviceError, NodeLost
 from hil.drivers.canopen import protocol as wire
@@ -24,26 +22,19 @@ from hil.drivers.cia402 import protocol as cia
 from hil.drivers.cia402.protocol import Controlword, DriveState
 from hil.drivers.cia402.set_up import rpdo_timer, set_up_drives
 from hil.drivers.cia402.settings import Cia402Options, Cia402Settings
+from hil.drivers.cia402.torques import Codes, DriveTorques
 from hil.drivers.halves import send_each
 from hil.drivers.samples import sample_of_counts
-from hil.safety.conversion import TorqueDrive
 from hil.safety.linkage import Pair
 from hil.setup.address import DeviceAddress
 from hil.setup.device_file import DeviceFile
 from hil.setup.options import read_options
 
-COARSEST = 0.1
-"""Largest step of torque as a share of the limit: a larger one is felt."""
-LARGEST_CODE = 32767
 ENABLING = (
     (Controlword.SHUTDOWN, DriveState.READY),
     (Controlword.SWITCH_ON, DriveState.SWITCHED_ON),
     (Controlword.ENABLE, DriveState.ENABLED),
 )
-RECENT = 8
-"""Commands of which a drive's torque demand may be one: it takes a tick or more to show it."""
-SLACK = 5
-"""Thousandths of the rated torque by which a demand may differ besides: drives round, too."""
 BROKEN = {DriveState.FAULT, DriveState.FAULT_REACTION, DriveState.QUICK_STOP}
 
 
@@ -58,7 +49,6 @@ class Cia402Driver(CanopenMaster):
     found_on = "can"
 
     _proved = _running = False
-    _rated: Pair = (1.0, 1.0)
 
     @classmethod
     def bus_use(cls, address: DeviceAddress, file: DeviceFile) -> BusUse:
@@ -79,7 +69,7 @@ class Cia402Driver(CanopenMaster):
 
     def open(self) -> None:
         given = self.file.settings_of(Cia402Settings)
-        self._drives = _drive(self.file, 0), _drive(self.file, 1)
+        self._torques = DriveTorques(self.file)
         self._timed = given.rpdo_timer
         self.expiry_code = wire.RPDO_MISSING if self._timed else wire.HEARTBEAT_MISSING
         self._numbers = self._measuring = self._driving = _nodes(self.address, self.file)
@@ -98,8 +88,8 @@ class Cia402Driver(CanopenMaster):
             mode=given.mode,
             timed=self._timed,
         )
-        self._rated, self._number, self._proved = found.rated, found.serial, True
-        self._refuse_coarse()
+        self._torques.rated, self._number, self._proved = found.rated, found.serial, True
+        self._torques.refuse_coarse(self._numbers)
         self._begin()
         bus.keep_step()
         self._until(lambda: self._nodes.all_operational, "its drives do not become operational")
@@ -107,23 +97,12 @@ class Cia402Driver(CanopenMaster):
         self._clear_faults()
         self._running = True
 
-    def _refuse_coarse(self) -> None:
-        for node, drive, rated in zip(self._numbers, self._drives, self._rated, strict=True):
-            step = rated * 1e-3 * drive.gear
-            if step > COARSEST * self.file.limits.torque:
-                raise DeviceError(
-                    f"CiA 402 drive {node} is rated {rated:g} N.m, a thousandth of which is "
-                    f"{step * 1e3:.3g} mN.m at the joint: too coarse for a limit of "
-                    f"{self.file.limits.torque:g} N.m"
-                )
-
     def _begin(self) -> None:
         super()._begin()
         self._states: dict[int, DriveState] = {}
         self._sequence = 0
         self._last, self._units = [0, 0], [0, 0]
-        self._recent = tuple(deque[int]((0,), maxlen=RECENT) for _ in (0, 1))
-        """Torques (thousandths) that each drive was last given."""
+        self._torques.forget()
         self._zero_check = ZeroCheck(
             [
                 ZeroPoint(
@@ -158,17 +137,21 @@ class Cia402Driver(CanopenMaster):
         self._cold |= any(answered)
         events = self._nodes.take(bus)
         fired = self._has_expired(events)
-        found = [bus.answer(wire.positions_id(node)) for node in self._numbers]
-        answers = [cia.answer(data) for data in found if data is not None]
+        came = {node: bus.received.answer(wire.positions_id(node)) for node in self._numbers}
+        found = {node: cia.answer(data) for node, data in came.items() if data is not None}
+        # Of one that is silent the other one's state counts all the same.
+        self._states |= {node: state for node, (state, _, _) in found.items()}
+        answers = list(found.values())
         self._told = len(answers) == len(self._numbers)
         if not self._told:
+            is_off = any(state is not DriveState.ENABLED for state, _, _ in answers)
             return Received(
                 zero_confirmed=self._zero_sent and any(answered),
                 watchdog_fired=fired,
+                enabled=False if is_off else None,
                 contradiction=self._zero_check.astray if answered else None,
-                error=self._wrong(events) if self._running else None,
+                error=self._wrong(events) if self._running else self._refused(events),
             )
-        self._states = {n: state for n, (state, _, _) in zip(self._numbers, answers, strict=True)}
         for joint, (_, position, _) in enumerate(answers):
             self._units[joint] += wire.step(self._last[joint], position, 1 << 32)
             self._last[joint] = position
@@ -180,22 +163,12 @@ class Cia402Driver(CanopenMaster):
             and (any(answered) if self._asks else all(demand == 0 for _, _, demand in answers)),
             watchdog_fired=fired,
             enabled=all(state is DriveState.ENABLED for state in self._states.values()),
-            contradiction=self._astray([demand for _, _, demand in answers]),
-            error=self._wrong(events) if self._running else None,
+            contradiction=self._torques.astray(self._numbers, [demand for *_, demand in answers]),
+            error=self._wrong(events) if self._running else self._refused(events),
         )
 
     def silence(self) -> str | None:
         return self._opened().complaint
-
-    def _astray(self, demands: list[int]) -> str:
-        """A torque demand that is none of the torques which a drive was last told to give."""
-        for node, demand, recent in zip(self._numbers, demands, self._recent, strict=True):
-            if not min(recent) - SLACK <= demand <= max(recent) + SLACK:
-                return (
-                    f"CiA 402 drive {node} demands {demand} thousandths of its rated torque "
-                    f"(6074h) and was told {recent[-1]}"
-                )
-        return ""
 
     def _wrong(self, events: Events) -> DeviceError | None:
         """A node that is lost un-homes the device; an emergency, or a fault, says what is wrong."""
@@ -211,8 +184,8 @@ class Cia402Driver(CanopenMaster):
         return BoardError("; ".join(broken)) if broken else None
 
     def send(self, torque: Pair) -> Pair:
-        codes = self._code(0, torque[0]), self._code(1, torque[1])
-        sent = self._torque(0, codes[0]), self._torque(1, codes[1])
+        codes = self._torques.codes(torque)
+        sent = self._torques.given_by(codes)
         self._zero_sent = codes == (0, 0) and self._zero_sent
         self._cold = False
         self._zero_check.forget()
@@ -239,17 +212,8 @@ class Cia402Driver(CanopenMaster):
             self._opened().send(wire.sdo_request_id(node), request)
         return True
 
-    def _code(self, joint: int, torque: float) -> int:
-        """Thousandths of the rated torque, rounded toward zero."""
-        wanted = self._drives[joint].encode(torque) / self._rated[joint] * 1e3
-        return max(-LARGEST_CODE, min(LARGEST_CODE, int(wanted)))
-
-    def _torque(self, joint: int, code: int) -> float:
-        return self._drives[joint].decode(code * 1e-3 * self._rated[joint])
-
-    def _put(self, control: Controlword, codes: tuple[int, int], torque: Pair = ZERO) -> None:
-        for code, recent in zip(codes, self._recent, strict=True):
-            recent.append(code)
+    def _put(self, control: Controlword, codes: Codes, torque: Pair = ZERO) -> None:
+        self._torques.sent(codes)
         parts = [
             ((joint,), wire.outputs_id(node), cia.command(control, codes[joint]))
             for joint, node in enumerate(self._numbers)
@@ -278,10 +242,11 @@ class Cia402Driver(CanopenMaster):
         if not self._armed:
             return
         self._control, self._commanding, self._armed = Controlword.VOLTAGE_OFF, True, False
-        self._time_commands(0)
-        self._watch_us(milliseconds=0)
-        self._start_again()
-        self._clear_faults()
+        with self._forgives():
+            self._time_commands(0)
+            self._watch_us(milliseconds=0)
+            self._start_again()
+            self._clear_faults()
         self._commanding = False
 
     def _clear_faults(self) -> None:
@@ -331,12 +296,3 @@ def _nodes(address: DeviceAddress, file: DeviceFile) -> tuple[int, ...]:
 
 def _frames() -> tuple[int, ...]:
     return (cia.BACK.size,) * 2 + (cia.OUT.size,) * 2
-
-
-def _drive(file: DeviceFile, joint: int) -> TorqueDrive:
-    drive = file.joints[joint].drive
-    if not isinstance(drive, TorqueDrive):
-        raise InputError(
-            "a CiA 402 drive takes torque: its 'drive' has a gear and a direction only"
-        )
-    return drive

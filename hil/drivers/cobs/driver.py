@@ -6,6 +6,7 @@ drops its torque by itself when no valid command has come for ``WATCHDOG_MS``.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 from cosim.base.errors import InputError
@@ -65,8 +66,9 @@ class CobsDriver(Driver):
             self.send_zero()
             self.pause()
             told = self.receive()
-            if told.error is not None:
-                raise told.error
+            for each in told.each:
+                if each.error is not None:
+                    raise each.error
             if told.sample is not None:
                 return
         raise DeviceError(f"no board answers at {self.address.place}")
@@ -74,45 +76,47 @@ class CobsDriver(Driver):
     def receive(self) -> Received:
         port = self._opened()
         port.exchange_done()
-        newest: Reply | None = None
-        for body in self._splitter.feed(port.read()):
-            newest = reply(body) or newest
-        if newest is None:
+        replies = [found for body in self._splitter.feed(port.read()) if (found := reply(body))]
+        if not replies:
             return NOTHING
-        status = newest.status
-        sample, asked = None, self._was_asked(newest)
-        if asked and self._is_newer(newest):
+        *earlier, newest = map(self._told, replies)
+        return replace(newest, earlier=tuple(earlier))
+
+    def _told(self, one: Reply) -> Received:
+        status = one.status
+        sample, asked = None, self._was_asked(one)
+        if asked and self._is_newer(one):
             # Older, a second time, or to nobody's question, it is no new sample.
-            self._seen, self._answered = self._seen + 1, newest.sequence
-            sample = sample_of_counts(self.file.joints, newest.count, self._seen)
+            self._seen, self._answered = self._seen + 1, one.sequence
+            sample = sample_of_counts(self.file.joints, one.count, self._seen)
         wrong = bool(status & ReplyFlag.FAULT)
         return Received(
             sample=sample,
-            zero_confirmed=bool(status & ReplyFlag.ZERO) and self._is_after_torque(newest),
-            contradiction=self._contradiction(newest) if asked else None,
+            zero_confirmed=bool(status & ReplyFlag.ZERO) and self._is_after_torque(one),
+            contradiction=self._contradiction(one) if asked else None,
             watchdog_fired=bool(status & ReplyFlag.WATCHDOG_FIRED),
             enabled=bool(status & ReplyFlag.ENABLED),
             input_held=bool(status & ReplyFlag.INPUT),
-            device_time=self._clock.seconds(newest.microseconds),
+            device_time=self._clock.seconds(one.microseconds),
             error=BoardError(f"the board reports {status!r}") if wrong else None,
         )
 
-    def _was_asked(self, newest: Reply) -> bool:
+    def _was_asked(self, one: Reply) -> bool:
         """Whether it answers one of the last commands."""
-        return (self._sequence - newest.sequence) & 0xFFFF <= LONGEST_LAG
+        return (self._sequence - one.sequence) & 0xFFFF <= LONGEST_LAG
 
-    def _is_newer(self, newest: Reply) -> bool:
+    def _is_newer(self, one: Reply) -> bool:
         """Whether that command was not answered before."""
-        return 0 < (newest.sequence - self._answered) & 0xFFFF < 0x8000
+        return 0 < (one.sequence - self._answered) & 0xFFFF < 0x8000
 
-    def _is_after_torque(self, newest: Reply) -> bool:
+    def _is_after_torque(self, one: Reply) -> bool:
         """Whether it answers something that was sent after the last torque that was not zero."""
         since = (self._sequence - self._hot) & 0xFFFF
-        return 0 < (newest.sequence - self._hot) & 0xFFFF <= since
+        return 0 < (one.sequence - self._hot) & 0xFFFF <= since
 
-    def _contradiction(self, newest: Reply) -> str | None:
+    def _contradiction(self, one: Reply) -> str | None:
         """Where it says of its output stage what its command did not ask for."""
-        pushes, is_zero = self._pushes.get(newest.sequence), bool(newest.status & ReplyFlag.ZERO)
+        pushes, is_zero = self._pushes.get(one.sequence), bool(one.status & ReplyFlag.ZERO)
         if pushes is None or pushes is not is_zero:
             return ""
         return (

@@ -6,6 +6,7 @@ It is asked at the end of a tick and answers by the next one; nothing else is ev
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 from hil.device.errors import BoardError, DeviceError, ProtocolError
@@ -85,20 +86,22 @@ class ForceSensorDriver(SensorDriver):
         self._opened().write(ask(self._sequence))
 
     def receive(self) -> Heard:
-        newest: Answer | None = None
-        for body in self._bodies():
-            newest = answer(body) or newest
-        if newest is None:
+        answers = [found for body in self._bodies() if (found := answer(body))]
+        if not answers:
             return SILENT
+        *earlier, newest = map(self._heard, answers)
+        return replace(newest, earlier=tuple(earlier))
+
+    def _heard(self, one: Answer) -> Heard:
         # Older, a second time, or to nobody's question, it is no new sample.
-        in_time = self._answers(newest.sequence)
+        in_time = self._answers(one.sequence)
         if in_time:
-            self._answered = newest.sequence
+            self._answered = one.sequence
         return Heard(
-            counts=newest.counts if in_time else None,
-            clipped=newest.clipped,
-            device_time=self._clock.seconds(newest.microseconds),
-            error=self._wrong(newest),
+            counts=one.counts if in_time else None,
+            clipped=one.clipped,
+            device_time=self._clock.seconds(one.microseconds),
+            error=self._wrong(one),
         )
 
     def _answers(self, sequence: int) -> bool:
@@ -106,20 +109,20 @@ class ForceSensorDriver(SensorDriver):
         lag = (self._sequence - sequence) & 0xFFFF
         return lag <= LONGEST_LAG and lag < (self._sequence - self._answered) & 0xFFFF
 
-    def _wrong(self, newest: Answer) -> DeviceError | None:
-        if newest.status & AnswerFlag.BROWN_OUT:
+    def _wrong(self, one: Answer) -> DeviceError | None:
+        if one.status & AnswerFlag.BROWN_OUT:
             return BoardError("the board reports a brown-out: its bridges had too little voltage")
-        if newest.status:
-            return BoardError(f"the board reports {newest.status!r}")
-        if len(newest.counts) != len(self.file.channels):
+        if one.status:
+            return BoardError(f"the board reports {one.status!r}")
+        if len(one.counts) != len(self.file.channels):
             return ProtocolError(
-                f"{len(newest.counts)} channels came of a sensor that has {len(self.file.channels)}"
+                f"{len(one.counts)} channels came of a sensor that has {len(self.file.channels)}"
             )
-        absent = [index + 1 for index in newest.clipped if index >= len(newest.counts)]
+        absent = [index + 1 for index in one.clipped if index >= len(one.counts)]
         if absent:
             return ProtocolError(
                 f"the board says that channel {min(absent)} is at the end of its range, and it has "
-                f"{len(newest.counts)}"
+                f"{len(one.counts)}"
             )
         return None
 

@@ -115,24 +115,23 @@ class OdriveDriver(Driver):
 
     def _estimates(self, bus: CanBus) -> tuple[Sample | None, BoardError | None]:
         """The newest positions; what is wrong where a speed cannot be that of a handle."""
-        frames = [bus.latest(identifier(node, OdriveCommand.ESTIMATES)) for node in self._nodes]
-        if any(
-            frame is None or frame[0] == self._seen[node]
-            for node, frame in zip(self._nodes, frames, strict=True)
-        ):
-            return None, None
         turns: list[float] = []
+        seen: dict[int, int] = {}
         fast: BoardError | None = None
-        for node, frame in zip(self._nodes, frames, strict=True):
-            assert frame is not None
-            self._seen[node] = frame[0]
-            turn, rate = wire.estimates(frame[1])
+        for node in self._nodes:
+            frame = bus.received.latest(identifier(node, OdriveCommand.ESTIMATES))
+            if frame is None or frame[0] == self._seen[node]:
+                continue
+            seen[node], (turn, rate) = frame[0], wire.estimates(frame[1])
             turns.append(turn)
             if abs(rate) * 2 * pi > self.file.limits.joint_speed:
                 fast = BoardError(
                     f"ODrive axis {node} says that it turns at {rate * 2 * pi:.3g} rad/s, more "
                     "than its joint_speed: its encoder, or its estimator, is wrong"
                 )
+        if len(seen) < len(self._nodes):  # of one alone there is no sample
+            return None, fast
+        self._seen = seen
         self._sequence += 1
         return sample_of_turns(self.file.joints, (turns[0], turns[1]), self._sequence), fast
 
@@ -141,7 +140,7 @@ class OdriveDriver(Driver):
         fresh, fired, astray = 0, False, ""
         wrong: BoardError | None = None
         for node in self._nodes:
-            frame = bus.latest(identifier(node, OdriveCommand.HEARTBEAT))
+            frame = bus.received.latest(identifier(node, OdriveCommand.HEARTBEAT))
             if frame is None or frame[0] == self._beats[node]:
                 wrong = self._missing(node) or wrong
                 continue
@@ -257,7 +256,7 @@ class OdriveDriver(Driver):
         return self._beats[node] > 0
 
     def _is_measured(self, node: int) -> bool:
-        return self._opened().latest(identifier(node, OdriveCommand.ESTIMATES)) is not None
+        return self._opened().received.latest(identifier(node, OdriveCommand.ESTIMATES)) is not None
 
     def _to(self, node: int, command: OdriveCommand, data: bytes = b"") -> None:
         self._opened().send(identifier(node, command), data)

@@ -14,7 +14,7 @@ from tests.support.hil.motors.slcan import Lines, line
 
 Spoil = Callable[[bytes], bytes]
 COBS_REPLY = ("kind", "status", "sequence", "time", "first", "second", "spare")
-ENABLED, FIRED, ZERO, FAULT = 1, 2, 4, 8
+ENABLED, FIRED, ZERO, FAULT, INPUT = 1, 2, 4, 8, 16
 
 
 def haply(place: int, *data: float | int) -> Spoil:
@@ -79,6 +79,16 @@ def can(identifier: int, change: Callable[[bytes], bytes], *, mask: int = 0x7FF)
 def besides(identifier: int, data: bytes) -> Spoil:
     """One more frame with every answer."""
     return lambda answer: answer + line(identifier, data)
+
+
+def without(identifier: int) -> Spoil:
+    """No frame with an identifier."""
+
+    def spoil(answer: bytes) -> bytes:
+        frames = Lines().frames(answer)
+        return b"".join(line(name, data) for name, data in frames if name != identifier)
+
+    return spoil
 
 
 def packed(layout: str, place: int, value: float) -> Callable[[bytes], bytes]:

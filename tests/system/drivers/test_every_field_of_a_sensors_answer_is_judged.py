@@ -46,7 +46,8 @@ class Board:
 
     def __init__(self) -> None:
         self.told, self.time = Told(), 0
-        self.answers = b""
+        self.answers, self.late = b"", False
+        """What was answered; whether it waits for the next answer."""
 
     def write(self, data: bytes) -> None:
         kind, _, sequence = struct.unpack_from("<BBH", Cobs.unstuffed(data[:-1]))
@@ -64,6 +65,8 @@ class Board:
         self.answers += framed(lambda _: body)(Cobs.stuffed(body + b"\0\0") + b"\0")
 
     def read(self) -> bytes:
+        if self.late:
+            return b""
         found, self.answers = self.answers, b""
         return found
 
@@ -123,6 +126,20 @@ def test_an_answer_ends_in_a_fault_with_its_words(name: str, sensor: Sensor, boa
         sensor.ask()
     assert re.search(words, sensor.fault_sentence()), sensor.fault_sentence()
     assert sensor.wrench.force[2] == pytest.approx(0.0, abs=1e-9), "the last good value"
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if CASES[name][0].status])
+def test_the_older_one_of_two_answers_is_judged_as_well(name: str, sensor: Sensor, board: Board):
+    told, words = CASES[name]
+    sensor.read()
+    board.told, board.late = told, True
+    sensor.ask()
+    sensor.read()
+    assert sensor.state is State.INACTIVE
+    board.told, board.late = Told(), False
+    sensor.ask()
+    sensor.read()
+    assert re.search(words, sensor.fault_sentence()), sensor.fault_sentence()
 
 
 IDENTITIES = {

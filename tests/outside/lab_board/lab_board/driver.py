@@ -7,6 +7,7 @@ after 20 ms of silence.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 from typing import Annotated, ClassVar
 
@@ -83,22 +84,26 @@ class LabDriver(Driver):
         raise DeviceError(f"no board answers at {self.address.place}")
 
     def receive(self) -> Received:
-        """The newest valid answer, and what it says."""
+        """Every valid answer that came, and what it says; the newest one measures."""
         port = self._opened()
         port.exchange_done()
         answers = [found for data in self._lines.feed(port.read()) if (found := wire.answer(data))]
         if not answers:
             return NOTHING
-        newest, sample = answers[-1], None
-        if 0 <= self._sequence - newest.sequence <= OLDEST:
+        *earlier, newest = map(self._told, answers)
+        return replace(newest, earlier=tuple(earlier))
+
+    def _told(self, one: wire.Answer) -> Received:
+        sample = None
+        if 0 <= self._sequence - one.sequence <= OLDEST:
             self._seen += 1
-            sample = sample_of_counts(self.file.joints, newest.count, self._seen)
+            sample = sample_of_counts(self.file.joints, one.count, self._seen)
         return Received(
             sample=sample,
             # Only an answer to what was sent after the last torque speaks of a zero since.
-            zero_confirmed=bool(newest.status & wire.ZERO) and newest.sequence > self._hot,
-            watchdog_fired=bool(newest.status & wire.FIRED),
-            enabled=bool(newest.status & wire.ENABLED),
+            zero_confirmed=bool(one.status & wire.ZERO) and one.sequence > self._hot,
+            watchdog_fired=bool(one.status & wire.FIRED),
+            enabled=bool(one.status & wire.ENABLED),
         )
 
     def send(self, torque: Pair) -> Pair:
