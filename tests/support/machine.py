@@ -105,14 +105,15 @@ def timed(
     *,
     tolerates: float,
     attempts: int = ATTEMPTS,
+    failures: int = FAULTS,
     probing: Callable[[], AbstractContextManager[Probe]] = machine_probe,
 ) -> Result:
     """What the first good attempt gives; an attempt that failed gives a sentence instead.
 
     ``attempt`` takes its number. A failed one is void where the probe found more than ``tolerates``
-    meanwhile (of ``machine_probe`` seconds); the third that is not void fails the test. A machine
-    that spoiled so many attempts that there never were three leaves the test void, with the probe's
-    figures.
+    meanwhile (of ``machine_probe`` seconds); of those that are not void, the last that ``failures``
+    allows fails the test. A machine that spoiled so many attempts that there never were as many
+    leaves the test void, with the probe's figures.
     """
     faults: list[str] = []
     stalls: list[float] = []
@@ -127,8 +128,9 @@ def timed(
                 stalls.append(worst)
                 continue
             faults.append(found)
-            if len(faults) == FAULTS:
-                pytest.fail(f"the machine kept time and it failed {FAULTS} times: {faults}")
+            if len(faults) == failures:
+                times = "once" if failures == 1 else f"{failures} times"
+                pytest.fail(f"the machine kept time and it failed {times}: {faults}")
     told = "; ".join(map(probe.tell, stalls))
     others = f"; beside that: {faults}" if faults else ""
     pytest.skip(f"void: {told}; more than {tolerates:g}{others}")

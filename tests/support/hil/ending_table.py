@@ -113,6 +113,10 @@ ENDINGS = {
     "command stopped": Ending(kill(command, how=signal.SIGSTOP), 2.3, alive=False),
 }
 
+BESIDE_WORK = {"loop killed": Ending(kill(loop), 0.1)}
+"""What is promised while other programs of normal priority want every processor. What goes through
+a serial port, or a pseudo-terminal, is handed on by a worker of the system of that priority."""
+
 
 @contextmanager
 def pushing(folder: Path, board: str) -> Iterator[Run]:

@@ -192,11 +192,22 @@ class Run:
 
     @property
     def supervisor(self) -> int:
-        return _child(self.command.pid)
+        return self._child(self.command.pid)
 
     @property
     def loop(self) -> int:
-        return _child(self.supervisor)
+        return self._child(self.supervisor)
+
+    def _child(self, process: int) -> int:
+        try:
+            text = Path(f"/proc/{process}/task/{process}/children").read_text()
+        except OSError:
+            text = ""
+        if not text:
+            while self.listen(0.5):
+                pass
+        assert text, f"it had ended before: {self.said}"
+        return int(text.split()[0])
 
     @property
     def processes(self) -> list[int]:
@@ -243,12 +254,6 @@ def _control() -> None:
     import termios
 
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-
-
-def _child(process: int) -> int:
-    text = Path(f"/proc/{process}/task/{process}/children").read_text()
-    (first, *_) = text.split()
-    return int(first)
 
 
 def _tree(process: int) -> list[int]:

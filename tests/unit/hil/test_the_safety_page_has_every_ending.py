@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.support.guide.written import hold_between
-from tests.support.hil.ending_table import ANSWER, ENDINGS
+from tests.support.hil.ending_table import ANSWER, BESIDE_WORK, ENDINGS
 
 PAGE = Path(__file__).parents[3] / "docs" / "safety.md"
 BEGIN, END = "<!-- endings: written by the tests -->", "<!-- end of endings -->"
@@ -25,3 +25,14 @@ def rendered() -> str:
 
 def test_the_page_has_every_ending():
     hold_between(PAGE, BEGIN, END, rendered())
+
+
+def test_the_page_has_what_holds_beside_other_work():
+    (ending,) = BESIDE_WORK.values()
+    page = " ".join(PAGE.read_text("utf-8").split())
+    zero, confirmed = (
+        f"{seconds * 1e3:.0f} ms" for seconds in (ending.within, ending.within + ANSWER)
+    )
+    assert (
+        f"a killed loop's motors are at zero within {zero}, confirmed within {confirmed}," in page
+    )
