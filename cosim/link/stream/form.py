@@ -13,6 +13,9 @@ from cosim.base.errors import Location
 LONGEST_DELAY = 16
 """Samples, where neither the scenario nor its theory says how long the way may be."""
 
+LONGEST_WAIT = 1024
+"""Samples that a packet may be told to wait for its own: eight seconds at 128 Hz."""
+
 Samples = Annotated[
     int,
     QuantityIn(
@@ -20,6 +23,16 @@ Samples = Annotated[
         what="whole number of samples, such as 4",
         least=1,
         most=10**6,
+        whole=True,
+    ),
+]
+Wait = Annotated[
+    int,
+    QuantityIn(
+        unit="1",
+        what="whole number of samples, such as 4",
+        least=1,
+        most=LONGEST_WAIT,
         whole=True,
     ),
 ]
@@ -33,7 +46,7 @@ def _delay_tag(value: Any) -> str:
 
 
 Delay = Annotated[
-    Annotated[Literal["auto"], Tag("auto")] | Annotated[Samples, Tag("samples")],
+    Annotated[Literal["auto"], Tag("auto")] | Annotated[Wait, Tag("samples")],
     Discriminator(_delay_tag),
 ]
 
@@ -103,6 +116,12 @@ class LinkForm(LossPolicy):
     def least_delay(self) -> int:
         """Samples; one where it is chosen before the start."""
         return self.delay if isinstance(self.delay, int) else 1
+
+    @property
+    def longest_wait(self) -> int:
+        """Samples; what is chosen before the start is no more."""
+        most = min(self.longest_delay, LONGEST_WAIT)
+        return self.delay if isinstance(self.delay, int) else most
 
     @property
     def longest_delay(self) -> int:

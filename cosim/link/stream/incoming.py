@@ -9,7 +9,7 @@ from cosim.link.stream.bundle import FieldRole, PacketBundle
 from cosim.link.stream.form import LinkForm
 from cosim.link.stream.peer import PeerState, PeerWeight
 from cosim.link.stream.receiver import Receiver, ReceiverSettings, Release
-from cosim.link.stream.waiting import WAITING_SLOTS
+from cosim.link.stream.waiting import SPARE_SLOTS
 
 LARGEST_AGE = 2**31 - 1
 """Ages and ticks are shown no larger: models take them as 32-bit integers."""
@@ -30,10 +30,11 @@ class Incoming:
             ReceiverSettings(
                 release=Release(setting.release),
                 delay=delay,
+                longest_wait=setting.longest_wait,
                 late_after=delay * bundle.period + self.weight.hold,
                 # A station that was held up meets the others' packets early until it has caught
                 # up; they can wait.
-                early=WAITING_SLOTS // 2 * bundle.period,
+                early=SPARE_SLOTS // 2 * bundle.period,
             ),
             judge,
         )

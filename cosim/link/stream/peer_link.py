@@ -7,6 +7,7 @@ session keys come back from there.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -30,6 +31,7 @@ LIFE = Fraction(1, 4)
 """Seconds within which a live session has been heard and acknowledged."""
 ACKNOWLEDGE_WITHIN = 4
 """Samples beyond the round trip: two until the acknowledgement is sent, two for lost ones."""
+SESSIONS_KEPT = 64
 LAST_WORDS = 3
 """Copies of the announcement that this side stops, because one may be lost."""
 _TELLING = (Fate.ACCEPTED, Fate.LATE, Fate.REORDERED, Fate.OUT_OF_RANGE, Fate.JUMP)
@@ -78,6 +80,8 @@ class PeerLink:
         self.before_arrival: Callable[[], None] | None = None
         """Called in a tick in which something has arrived, before that is looked at."""
         self._forward, self._hear = forward, hear
+        self.used: deque[int] = deque(maxlen=SESSIONS_KEPT)
+        """The numbers of the sessions under which was sent, the last ones."""
         self._offered: dict[int, SessionKeys] = {}
         self._trips = RoundTrips()
         self._fitted: int | None = None
@@ -117,6 +121,7 @@ class PeerLink:
         if keys is None:
             return False
         self.outgoing.use(keys)
+        self.used.append(session)
         self.intake.let_everything_in()
         return True
 
@@ -133,7 +138,7 @@ class PeerLink:
                 sample = receiver.bundle.tick * receiver.bundle.period * 1_000_000_000
                 delay = max(1, math.ceil(incoming / sample))
                 receiver.settings = replace(
-                    receiver.settings, delay=min(delay, item.setting.longest_delay)
+                    receiver.settings, delay=min(delay, item.setting.longest_wait)
                 )
         self._fit()
 

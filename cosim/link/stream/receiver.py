@@ -49,12 +49,14 @@ class ReceiverSettings:
     """How a stream is released and when it is too old.
 
     ``delay`` is the least delay in samples of the stream (a packet that arrives sooner waits),
-    ``late_after`` the age in base ticks at which a packet is dropped, ``early`` by how many base
-    ticks the two grids may differ before a packet from the future is refused.
+    ``longest_wait`` what it may be set to later, ``late_after`` the age in base ticks at which a
+    packet is dropped, ``early`` by how many base ticks the two grids may differ before a packet
+    from the future is refused.
     """
 
     release: Release = Release.NETWORK_TICK
     delay: int = 1
+    longest_wait: int = 1
     late_after: int = 256
     early: int = 16
 
@@ -122,7 +124,7 @@ class Receiver:
         self._stopped_in = 0
         # Copied as bytes: with cold caches a call of NumPy costs several microseconds.
         self._held_bytes = self.values.data.cast("B")
-        self._waiting = WaitingPackets(size)
+        self._waiting = WaitingPackets(size, max(settings.delay, settings.longest_wait))
         self._inbound: dict[int, _Inbound] = {}
         self._offered = 0
         self._newest_order = 0
@@ -221,6 +223,7 @@ class Receiver:
             if sequence > window.highest:
                 return Fate.ABSURD
             return Fate.REPLAYED if window.highest - sequence >= WINDOW else Fate.DUPLICATE
+        newest = inbound.order >= self._newest_order and sequence == window.highest
         if inbound.order >= self._newest_order:
             self._newest_order = inbound.order
             self.newest = (header[5], window.highest)
@@ -238,7 +241,8 @@ class Receiver:
         # Clock and grid are told by every authentic packet, also by one whose values are too old:
         # how old it is cannot be known before the two grids are.
         self.last_times = (sent, echo_sent, echo_received)
-        self.peer_epoch = epoch
+        if newest:  # an older one says where the grid was before its loop was late
+            self.peer_epoch = epoch
         self.acknowledged = (of, acknowledged)
         order = (inbound.order, sequence)
         if withheld:

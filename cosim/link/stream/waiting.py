@@ -8,7 +8,8 @@ import numpy as np
 
 from cosim.link.stream.bundle import Floats
 
-WAITING_SLOTS = 16
+SPARE_SLOTS = 16
+"""Beyond one for each sample that a packet waits: for those that come early, and in a burst."""
 _NEVER = sys.maxsize
 
 Order = tuple[int, int]
@@ -21,17 +22,18 @@ class WaitingPackets:
     ``next_due`` is the session tick at which the first of them is due.
     """
 
-    def __init__(self, size: int) -> None:
-        """``size`` is the number of elements of a packet."""
+    def __init__(self, size: int, longest_wait: int) -> None:
+        """``size`` is the number of elements of a packet, ``longest_wait`` in samples."""
+        slots = longest_wait + SPARE_SLOTS
         self.next_due = _NEVER
-        self._slots: list[Floats] = list(np.zeros((WAITING_SLOTS, size)))
+        self._slots: list[Floats] = list(np.zeros((slots, size)))
         # Copied as bytes: with cold caches a call of NumPy costs several microseconds.
         self._bytes = [slot.data.cast("B") for slot in self._slots]
-        self._order: list[Order] = [(0, 0)] * WAITING_SLOTS
-        self._tick = [0] * WAITING_SLOTS
-        self._repeated = [0] * WAITING_SLOTS
-        self._due = [0] * WAITING_SLOTS
-        self._free = list(range(WAITING_SLOTS))
+        self._order: list[Order] = [(0, 0)] * slots
+        self._tick = [0] * slots
+        self._repeated = [0] * slots
+        self._due = [0] * slots
+        self._free = list(range(slots))
         self._used: list[int] = []
         """Mostly one or none."""
 
