@@ -39,6 +39,7 @@ def link_facts(
         transport = link.transport
         found["peers"][peer.name] = {
             "component": peer.component,
+            "sessions": [f"{number:016x}" for number in link.used],
             "sent": link.outgoing.sent,
             "withheld": sum(content.withheld for content in link.outgoing.contents),
             "refused": getattr(transport, "refused", 0),

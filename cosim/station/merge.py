@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import permutations
 from math import lcm
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,7 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
         raise InputError(
             "the runs have different base rates or start times; they are not of one session"
         )
+    _refuse_strangers(dict(zip(stations, links, strict=True)))
     periods = lcm(*(group.period for run in runs for group in run.groups.values()))
     firsts = [int(link["first_tick"]) for link in links]
     # Every group has a row at a multiple of all periods.
@@ -92,6 +94,7 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     manifest: dict[str, Any] = {
         **runs[0].manifest,
         "link": None,
+        **_told(dict(zip(stations, runs, strict=True)), end - first),
         # Each station kept its own time; its manifest says how.
         "timing": None,
         "deadlines": None,
@@ -109,6 +112,55 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     measured = write_traces(folder, folder / SCENARIO_FILE, known) if full.exists() else None
     signals = sum(len(group.columns) for group in groups)
     return Merged(folder, first, end - first, signals, measured)
+
+
+def _refuse_strangers(links: Mapping[str, Mapping[str, Any]]) -> None:
+    """Refuse stations that met, but not each other's record.
+
+    Raises:
+        InputError: two of them have no session in common.
+    """
+    for one, other in permutations(links, 2):
+        own, others = _sessions(links[one], other), _sessions(links[other], one)
+        if own and others and own.isdisjoint(others):
+            raise InputError(
+                f"the runs of {one} and {other} have no session in common: each of them met "
+                "another run; merge those of one session"
+            )
+
+
+def _sessions(link: Mapping[str, Any], peer: str) -> set[str]:
+    peers: Mapping[str, Mapping[str, Any]] = link.get("peers") or {}
+    return {*(peers.get(peer) or {}).get("sessions", ())}
+
+
+def _told(runs: Mapping[str, Run], ticks: int) -> dict[str, Any]:
+    """How the stations ended, the worst of it, and what each of them warns of."""
+    cut_off = {"status": 1, "message": "The run was cut off."}
+    endings = {station: run.manifest.get("exit") or cut_off for station, run in runs.items()}
+    said = [f"{s}: {end['message']}" for s, end in endings.items() if end["message"]]
+    warnings: dict[str, Mapping[str, Any]] = {
+        s: run.manifest.get("warnings") or {} for s, run in runs.items()
+    }
+    notes: dict[str, list[str]] = {s: run.manifest.get("notes") or [] for s, run in runs.items()}
+    first, *others = notes.values()
+    shared = set(first).intersection(*others)
+    return {
+        "exit": {
+            "status": max(int(end["status"]) for end in endings.values()),
+            "message": "\n".join(said),
+            "ticks": ticks,
+        },
+        "warnings": {
+            f"{station}: {name}": value
+            for station, each in warnings.items()
+            for name, value in each.items()
+        },
+        "notes": [
+            *(note for note in first if note in shared),
+            *(f"{s}: {note}" for s, each in notes.items() for note in each if note not in shared),
+        ],
+    }
 
 
 _Part = tuple[Run, RecordedSignal, Column]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column, RecordGroup
 from cosim.cli.support.run.merged_page import joined, write_merged_page
@@ -24,8 +26,8 @@ TICKS = 100
 POSE = (Meaning.BOX_X, Meaning.BOX_Y, Meaning.BOX_ANGLE)
 
 
-def recorded(folder: Path, station: str, at: float) -> Path:
-    """A station's run: its copy of the box at rest ``at`` (m)."""
+def recorded(folder: Path, station: str, at: float, **more: Any) -> Path:
+    """A station's run: its copy of the box at rest ``at`` (m); ``more`` is in its manifest."""
     folder.mkdir()
     columns = tuple(
         Column(
@@ -43,10 +45,8 @@ def recorded(folder: Path, station: str, at: float) -> Path:
         cells = recorder.buffer(0, TICKS)
         cells[:] = np.full((TICKS, 3), at).view(np.int64)
         recorder.commit(0, 0, TICKS)
-    write_manifest(
-        folder,
-        {"link": {"station": station, "first_tick": 0}, "scenario": {}, "deadlines": {"misses": 3}},
-    )
+    link = {"station": station, "first_tick": 0, **more.pop("link", {})}
+    write_manifest(folder, {"link": link, "scenario": {}, "deadlines": {"misses": 3}, **more})
     return folder
 
 
@@ -57,6 +57,41 @@ def test_meanings_go_along_and_the_drift_between_copies_is_found(tmp_path) -> No
         assert {signal.meaning for signal in run.signals.values()} == set(POSE)
         assert summarise(run).content["measures"]["drift"] == pytest.approx(0.003 * 2**0.5)
         assert run.manifest["deadlines"] is None
+
+
+def met(peer: str, *sessions: str) -> dict[str, Any]:
+    return {"link": {"peers": {peer: {"sessions": [*sessions]}}}}
+
+
+def test_runs_that_met_others_are_not_put_together(tmp_path) -> None:
+    a = recorded(tmp_path / "a", "a", 0.0, **met("b", "01", "02"))
+    b = recorded(tmp_path / "b", "b", 0.0, **met("a", "02", "03"))
+    c = recorded(tmp_path / "c", "b", 0.0, **met("a", "03"))
+    alone = recorded(tmp_path / "alone", "b", 0.0, **met("a"))
+    assert merge_runs((a, b), tmp_path / "merged").ticks == TICKS
+    assert merge_runs((a, alone), tmp_path / "early").ticks == TICKS
+    with pytest.raises(InputError, match="a and b have no session in common"):
+        merge_runs((a, c), tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_merged_run_ended_as_the_worst_of_its_stations_did(tmp_path) -> None:
+    good = {"exit": {"status": 0, "message": "", "ticks": TICKS}}
+    bad = {"exit": {"status": 1, "message": "vr_b: its FMU died.", "ticks": 90}}
+    warned = {"warnings": {"lan": 3}, "notes": ["both", "b alone"]}
+    folders = (
+        recorded(tmp_path / "a", "a", 0.0, **good, notes=["both"]),
+        recorded(tmp_path / "b", "b", 0.0, **bad, **warned),
+    )
+    merged = merge_runs(folders, tmp_path / "merged")
+    with open_run(merged.folder) as run:
+        found = summarise(run)
+        assert (found.status, found.content["message"]) == (1, "b: vr_b: its FMU died.")
+        assert found.content["warnings"] == {"b: lan": 3}
+        assert run.manifest["notes"] == ["both", "b: b alone"]
+        page = write_merged_page(run, folders).read_text()
+    assert "b: vr_b: its FMU died." in page
+    assert 'class="outcome bad"' in page
 
 
 def test_the_page_has_the_stations_beside_each_other(tmp_path) -> None:
