@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from cosim.base.component import Component
     from cosim.live.control import PlayControl
     from cosim.live.hands import User
-    from cosim.live.knobs import PageKnob
+    from cosim.live.knobs.page_knob import PageKnob
     from cosim.realtime.live import Feed
     from cosim.realtime.paced_run import PacedRun
     from cosim.run import Finished
@@ -86,7 +86,7 @@ def command(
     from cosim.cli.support.play_theory import theory_of
     from cosim.live.access import listening
     from cosim.live.control import PlayControl
-    from cosim.live.knobs import places
+    from cosim.live.knobs.page_knob import places
     from cosim.live.mailbox import Mailbox
     from cosim.live.panel import KNOBS, KnobPanel
     from cosim.live.pointer import Pointer
@@ -180,7 +180,8 @@ def _with_hands(
     """
     from cosim.cli.support.hands import laid_over
     from cosim.live.hands import users_of, with_hands
-    from cosim.live.knobs import knobs_of, others_events, with_panels
+    from cosim.live.knobs.found import knobs_of
+    from cosim.live.knobs.overlay import others_events, with_panels
     from cosim.reading import load
 
     emulated = load(scenario, overlays, sets)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import secrets
+import socket
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
@@ -89,7 +90,7 @@ def _is_one_of(values: Sequence[str], allowed: frozenset[str]) -> bool:
 
 
 def listening(text: str) -> tuple[str, int]:
-    """``HOST:PORT`` of ``--listen``; port 0 takes a free one.
+    """``HOST:PORT`` of ``--live-at``; port 0 takes a free one.
 
     Raises:
         InputError: it is not written so, or the host stands for every address of the machine.
@@ -97,17 +98,24 @@ def listening(text: str) -> tuple[str, int]:
     host, colon, port = text.rpartition(":")
     host = host.strip("[]")
     if not colon or not host or not port.isdecimal() or int(port) > 65535:
-        raise InputError(f"--listen: '{text}' is not written as HOST:PORT, such as 127.0.0.1:8500.")
-    try:
-        everywhere = ipaddress.ip_address(host).is_unspecified
-    except ValueError:
-        everywhere = False
-    if everywhere:
         raise InputError(
-            f"--listen: {host} stands for every address of this machine; name the one that others "
-            "use, so that pages which come by another name are refused."
+            f"--live-at: '{text}' is not written as HOST:PORT, such as 127.0.0.1:8500."
+        )
+    if _is_everywhere(host):
+        raise InputError(
+            f"--live-at: {host} stands for every address of this machine; name the one that "
+            "others use, so that pages which come by another name are refused."
         )
     return host, int(port)
+
+
+def _is_everywhere(host: str) -> bool:
+    """However it is written: ``0`` is 0.0.0.0 to the system, too."""
+    try:
+        found = socket.getaddrinfo(host, None, flags=socket.AI_NUMERICHOST)
+    except (OSError, UnicodeError):  # a name, or nothing at all: that is said when it is opened
+        return False
+    return any(ipaddress.ip_address(str(each[4][0])).is_unspecified for each in found)
 
 
 def hosts_of(host: str, port: int) -> frozenset[str]:

@@ -130,6 +130,22 @@ class Followed:
         """How the loop stands, ``None`` before the first tick."""
         return self._watcher.status()
 
+    def told(self) -> dict[str, Any]:
+        """What a page has to know of it, for JSON."""
+        content = self.content
+        columns = [column for group in content["groups"] for column in group["columns"]]
+        return {
+            "name": content["name"],
+            "process": content["pid"],
+            "folder": content["folder"],
+            "rate": self.rate,
+            "start": self.start,
+            "scene": self.scene,
+            "values": self.scene_signals,
+            "signals": {column[0]: column[1] for column in columns},
+            "about": content.get("about") or {},
+        }
+
     def read(self) -> None:
         """Take what has come."""
         for group in self._groups:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Self
 from cosim.base.errors import InputError, RunError
 
 if TYPE_CHECKING:
-    from cosim.live.knobs import PageKnob
+    from cosim.live.knobs.page_knob import PageKnob
     from cosim.live.server import LiveServer
 
 GONE = "The server of the page is gone."
@@ -132,7 +132,8 @@ class ServerProcess:
 def main(told: Mapping[str, Any]) -> None:
     """Serve until standard input ends."""
     from cosim.live.control import PlayControl
-    from cosim.live.knobs import Panels, knob_of
+    from cosim.live.knobs.page_knob import knob_of
+    from cosim.live.knobs.panels import Panels
     from cosim.live.mailbox import Mailbox
     from cosim.live.seats import Seats
     from cosim.live.server import LiveServer, Serving

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from cosim.live.control import PlayControl
-from cosim.live.knobs import Panels
+from cosim.live.knobs.panels import Panels
 from cosim.live.mailbox import FINGERS, Mailbox
 from cosim.live.viewer import Viewer
 

@@ -10,25 +10,21 @@ from __future__ import annotations
 import asyncio
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from http import HTTPStatus
 from typing import Any, cast
 from urllib.parse import urlsplit
 
 from websockets.asyncio.server import Server, ServerConnection, serve
-from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
-from websockets.typing import Subprotocol
 
 from cosim.base.errors import InputError
-from cosim.live import assets
-from cosim.live.access import FOXGLOVE, PROTOCOL, SOCKET, Access, hosts_of
+from cosim.live.access import FOXGLOVE, Access, hosts_of
 from cosim.live.followed import Followed
 from cosim.live.foxglove.clients import FoxgloveClients
-from cosim.live.foxglove.protocol import chosen_of
+from cosim.live.requests import PageRequests, is_foxglove, subprotocol
 from cosim.live.seats import Seats
 from cosim.live.study.sheets import LARGEST_ANSWER, Sheets
 from cosim.live.viewer import MOST_SIGNALS, Viewer
@@ -40,7 +36,6 @@ USED_TICKS = 2.0
 """Until a tick has used a pointer's sample, and its row is there."""
 LARGEST_MESSAGE = 4096
 """Of a page (bytes)."""
-MOST_VIEWERS = 16
 SEARCH_SECONDS = 0.2
 """From one look for a run to the next, while none is shown."""
 
@@ -67,7 +62,7 @@ class LiveServer:
         self._settings = settings
         self._seats = seats
         self._sheets = sheets
-        self._assets = assets.read_assets()
+        self._requests = PageRequests(foxglove=settings.foxglove)
         self._viewers: set[Viewer] = set()
         self._foxgloves = FoxgloveClients()
         self._run: Followed | None = None
@@ -87,7 +82,7 @@ class LiveServer:
                 given.host,
                 given.port,
                 process_request=self._request,
-                select_subprotocol=_protocol,
+                select_subprotocol=subprotocol,
                 compression=None,
                 max_size=LARGEST_MESSAGE if self._sheets is None else LARGEST_ANSWER,
                 max_queue=8,
@@ -96,7 +91,9 @@ class LiveServer:
                 server_header=None,
             )
         except OSError as error:
-            message = f"--listen: {given.host}:{given.port} cannot be listened on: {error.strerror}"
+            message = (
+                f"--live-at: {given.host}:{given.port} cannot be listened on: {error.strerror}"
+            )
             raise InputError(message) from None
         async with server:
             self.access = Access(hosts=hosts_of(given.host, _port(server)))
@@ -125,28 +122,15 @@ class LiveServer:
         page = urlsplit(self.address)
         return f"ws://{page.netloc}{FOXGLOVE}{page.fragment}"
 
-    # --- requests --------------------------------------------------------------------------------
+    # --- pages -----------------------------------------------------------------------------------
 
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Answer what is not the socket; refuse whom it does not belong to."""
-        method = str(getattr(request, "method", "GET"))
-        refusal = self.access.refusal(method, request.path, request.headers)
-        if refusal is not None:
-            return _answer(refusal.status, "text/plain; charset=utf-8", refusal.sentence.encode())
-        host = request.headers["Host"]
-        for_foxglove = self._settings.foxglove and request.path.startswith(FOXGLOVE)
-        if request.path == SOCKET or for_foxglove:
-            if len(self._viewers) + len(self._foxgloves) < MOST_VIEWERS:
-                return None
-            text = f"{MOST_VIEWERS} pages look on already; close one of them."
-            return _answer(HTTPStatus.SERVICE_UNAVAILABLE, "text/plain", text.encode())
-        found = self._assets.get(request.path)
-        if found is None:
-            return _answer(HTTPStatus.NOT_FOUND, "text/plain", b"There is nothing of that name.")
-        return _answer(HTTPStatus.OK, *found, **assets.headers(host))
+        del connection
+        viewers = len(self._viewers) + len(self._foxgloves)
+        return self._requests.answer(request, self.access, viewers)
 
     async def _connected(self, socket: ServerConnection) -> None:
-        if socket.request is not None and socket.request.path.startswith(FOXGLOVE):
+        if is_foxglove(socket.request):
             await self._foxgloves.serve(socket)
         else:
             await self._serve_page(socket)
@@ -254,22 +238,8 @@ class LiveServer:
         if run is None:
             viewer.tell({"type": "waiting"})
             return
-        content = run.content
-        columns = [column for group in content["groups"] for column in group["columns"]]
-        viewer.tell(
-            {
-                "type": "run",
-                "name": content["name"],
-                "process": content["pid"],
-                "folder": content["folder"],
-                "rate": run.rate,
-                "scene": run.scene,
-                "values": run.scene_signals,
-                "signals": {column[0]: column[1] for column in columns},
-                "about": content.get("about") or {},
-                "theory": None if self._seats is None else self._seats.theory,
-            }
-        )
+        theory = None if self._seats is None else self._seats.theory
+        viewer.tell({"type": "run", **run.told(), "theory": theory})
         if self._seats is not None:
             viewer.tell(self._seats.told(viewer))
 
@@ -321,23 +291,5 @@ def _finite(value: Any) -> Any:
     return value if not isinstance(value, float) or value - value == 0.0 else None
 
 
-def _protocol(connection: ServerConnection, offered: Sequence[Subprotocol]) -> Subprotocol:
-    """What the page asked for, where the token beside it is no protocol; or one of Foxglove's.
-
-    Raises:
-        NegotiationError: a viewer speaks none of those.
-    """
-    if connection.request is None or not connection.request.path.startswith(FOXGLOVE):
-        return Subprotocol(PROTOCOL)
-    return chosen_of(offered)
-
-
 def _port(server: Server) -> int:
     return int(next(iter(server.sockets)).getsockname()[1])
-
-
-def _answer(status: HTTPStatus, content_type: str, body: bytes, **more: str) -> Response:
-    headers = Headers({"Content-Type": content_type, "Content-Length": str(len(body)), **more})
-    if "Connection" not in headers:
-        headers["Connection"] = "close"
-    return Response(status.value, status.phrase, headers, body)

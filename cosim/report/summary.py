@@ -111,19 +111,33 @@ def read_summary(folder: Path) -> Summary | None:
 
 def facts(content: Mapping[str, Any]) -> str:
     """One line: how long, what the measures say, how the expectations stand, how it ended."""
+    parts = [numbers(content), *content.get("runaways", ())[:1]]
+    if content["expectations"]:
+        parts.append(met(content))
+    if content["message"]:
+        parts.append(content["message"].splitlines()[0])
+    return " · ".join(parts)
+
+
+def numbers(content: Mapping[str, Any]) -> str:
+    """How long it was, and what the measures say."""
     parts = [f"{content['simulated_time']:g} s"]
     for name in ("contact_losses", "held_fraction", "force_ripple", "drift", *_LAST):
         found = content["measures"].get(name)
         if found is not None and (found or name != "saturated_ticks"):
             value = human(content["measures"][name], SCENARIO_MEASURES[name].unit)
             parts.append(f"{name.replace('_', ' ')} {value}")
-    if content.get("runaways"):
-        parts.append(content["runaways"][0])
-    if content["expectations"]:
-        parts.append(met(content))
-    if content["message"]:
-        parts.append(content["message"].splitlines()[0])
     return " · ".join(parts)
+
+
+def outcome(content: Mapping[str, Any]) -> str:
+    """How it ended; else what ran away, and how the expectations stand."""
+    if content["message"]:
+        return str(content["message"])
+    away = len(content["runaways"])
+    parts = [f"{away} signal{'s' if away > 1 else ''} ran away"] if away else []
+    parts += [met(content)] if content["expectations"] else []
+    return " · ".join(parts) or ("Ran to its end" if content["status"] == 0 else "Failed")
 
 
 def met(content: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Whether a page can be read and reached: its contrasts, and what the tabulator key comes to."""
+"""Whether a page can be read and reached: contrasts, broken words, what the tabulator comes to."""
 
 from __future__ import annotations
 
@@ -38,6 +38,23 @@ CONTRAST = """() => {
   return { texts, colours };
 }"""
 
+BROKEN = """() => {
+  const found = [];
+  for (const name of document.querySelectorAll("tbody th")) {
+    const walker = document.createTreeWalker(name, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+      for (const word of walker.currentNode.data.matchAll(/\\S+/g)) {
+        const range = document.createRange();
+        range.setStart(walker.currentNode, word.index);
+        range.setEnd(walker.currentNode, word.index + word[0].length);
+        const lines = new Set([...range.getClientRects()].map((each) => Math.round(each.top)));
+        if (lines.size > 1) found.push(word[0]);
+      }
+    }
+  }
+  return found;
+}"""
+
 OPERABLE = """[...document.querySelectorAll(
   "a[href], button, input, select, textarea, summary, [tabindex]")]
   .filter((e) => e.checkVisibility() && !e.disabled && e.tabIndex >= 0)"""
@@ -50,6 +67,12 @@ def too_faint(page: Any) -> list[list[Any]]:
     assert len(found["texts"]) > 1
     faint = [each for each in found["texts"] if each[1] < 4.5]
     return faint + [each for each in found["colours"] if each[1] < 3.0]
+
+
+def broken_words(page: Any) -> list[str]:
+    """Words of the tables' names, or their parts, that go on in another line."""
+    assert page.locator("tbody th").count() > 0
+    return page.evaluate(BROKEN)
 
 
 def unreached(page: Any) -> list[str]:

@@ -70,6 +70,21 @@ def test_any_signal_is_plotted_and_an_unknown_one_is_refused(chromium, address):
         assert page.evaluate("document.getElementById('signal').validationMessage") != ""
 
 
+def test_the_plots_begin_where_the_run_does(chromium, tmp_path):
+    """Their first seconds are room that the lines grow into, and no time before the run."""
+    words = ("--realtime", "--live", "--set", "start_time=100 s", "--duration", "60")
+    with (
+        command("run", "two_users_box", *words, "--no-figure", "--out", str(tmp_path)) as (at, _),
+        shown(chromium, at) as page,
+    ):
+        until(page, "cohaptic.times !== null && cohaptic.time < 104")
+        assert page.evaluate("cohaptic.times") == {"min": 100, "max": 105}
+        until(page, "cohaptic.time > 106")
+        until(page, "cohaptic.times.min > 100.5")
+        width = page.evaluate("cohaptic.times.max - cohaptic.times.min")
+        assert abs(width - 5) < 1e-9
+
+
 def test_held_plots_stand_still_while_the_run_goes_on(chromium, address):
     with shown(chromium, address) as page:
         page.click("#freeze")

@@ -13,6 +13,7 @@ from cosim.reading import load
 from cosim.record.reader import open_run
 from cosim.run import run_scenario
 from tests.browser.conftest import until
+from tests.browser.readable import broken_words
 
 pytestmark = pytest.mark.browser
 
@@ -69,6 +70,16 @@ def test_it_fits_the_window(chromium, minute, width, scheme):
         assert page.evaluate(
             f"{lower} > document.getElementById('stage').getBoundingClientRect().bottom"
         )
+
+
+@pytest.mark.parametrize("width", [400, 1000])
+def test_no_word_of_a_tables_names_is_broken(chromium, minute, width):
+    with opened(chromium, minute, width) as page:
+        assert page.locator("section[aria-labelledby=measures]").is_visible()
+        assert broken_words(page) == []
+        for row in page.locator("section[aria-labelledby=measures] tbody tr").all():
+            value = row.locator("td").first.bounding_box()
+            assert value["x"] + value["width"] <= width, "a measure is in sight"
 
 
 def test_a_minute_opens_in_a_second(chromium, minute):

@@ -16,7 +16,7 @@ from cosim.record.reader import open_run
 from cosim.testing.impairment import BadNetwork, Impairer
 from cosim.testing.proxy import Proxy
 from tests.browser.conftest import command, shown, until
-from tests.browser.readable import too_faint
+from tests.browser.readable import broken_words, too_faint
 from tests.browser.test_people_carry_a_box import ALL_TOUCH, box, pinch, place
 from tests.support.link.processes import free_ports
 
@@ -92,11 +92,13 @@ def test_both_copies_agree_as_the_measured_link_foretells(chromium, network, tmp
 
 def the_page_has_both(chromium, file):
     """The merged page: both copies in one scene, both stations' numbers, and the theory."""
+    for width in (1600, 1000, 400):
+        for scheme in ("light", "dark"):
+            it_fits(chromium, file, width, scheme)
     context = chromium.new_context(viewport={"width": 400, "height": 800})
     page = context.new_page()
     page.goto(f"file://{file}")
     until(page, "document.documentElement.dataset.ready === 'yes'", ready="report")
-    assert page.evaluate("document.documentElement.scrollWidth") <= 400
     table = page.locator("section[aria-labelledby=stations]").inner_text()
     for told in ("station_a", "station_b", "round trip", "deadlines: misses"):
         assert told in table
@@ -105,6 +107,21 @@ def the_page_has_both(chromium, file):
     assert "station_a" in named
     assert "station_b" in named
     assert too_faint(page) == []
+    context.close()
+
+
+def it_fits(chromium, file, width, scheme):
+    """Nothing sticks out, no word of a table is broken, and the links' numbers are in sight."""
+    context = chromium.new_context(viewport={"width": width, "height": 800}, color_scheme=scheme)
+    page = context.new_page()
+    page.goto(f"file://{file}")
+    until(page, "document.documentElement.dataset.ready === 'yes'", ready="report")
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert broken_words(page) == []
+    assert too_faint(page) == []
+    numbers = page.locator("section[aria-labelledby=stations] tbody tr:first-child td:last-child")
+    place = numbers.bounding_box()
+    assert place["x"] + place["width"] <= width
     context.close()
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from cosim.base.errors import CohapticError
 
 if TYPE_CHECKING:
-    from cosim.live.knobs import PageKnob
+    from cosim.live.knobs.page_knob import PageKnob
     from cosim.scenario import Scenario
 
 PLACES = {
@@ -32,7 +32,7 @@ def theory_of(scenario: Scenario, knobs: Sequence[PageKnob]) -> dict[str, Any] |
     them. ``None`` where the theory has no loop of the scenario.
     """
     from cosim.analysis.worlds import alone, worlds_of
-    from cosim.live.knobs import SWITCH
+    from cosim.live.knobs.found import SWITCH
 
     switch = next((knob for knob in knobs if knob.key == SWITCH), None)
     names = worlds_of(scenario)

@@ -69,6 +69,7 @@ globalThis.cohaptic = {
   get age() { return newest?.age ?? null; },
   get stale() { return connection.stale; },
   get run() { return run; },
+  get times() { return plots.times; },
   value: (name) => scene.value(name),
   latency: (share) => latency.at(share),
   get measured() { return latency.count; },
@@ -115,6 +116,7 @@ function introduce(told) {
 
 function usualPlots() {
   plots.clear();
+  plots.begin = run.start;
   chosen = null;
   const { fingers, channels, boxes, bodies } = run.scene;
   if (forces.length) {

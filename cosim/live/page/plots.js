@@ -14,6 +14,7 @@ export class Plots {
   #held = false;
   #turn = 0;
   seconds = 5;
+  begin = 0; // model time (s) of the run's first tick
   onHold = () => {};
 
   constructor(parent, store) {
@@ -72,14 +73,26 @@ export class Plots {
     return this.#plots.length;
   }
 
+  /** The times (s) that are shown last; null before that. */
+  get times() {
+    const { min, max } = this.#plots[this.#turn]?.plot.scales.x ?? {};
+    return min == null ? null : { min, max };
+  }
+
+  /** The times (s) to show: none before the run began, where the lines grow into the room. */
+  #window(time) {
+    const min = Math.max(this.begin, time - this.seconds);
+    return { min, max: Math.max(time, min + this.seconds) };
+  }
+
   /** Draw one plot, each in its turn. */
   drawNext(time) {
     if (this.#held || document.hidden || !this.#plots.length) return;
     this.#turn = (this.#turn + 1) % this.#plots.length;
     const { plot, lines, combine } = this.#plots[this.#turn];
-    const start = time - this.seconds;
+    const window = this.#window(time);
     const names = [...new Set(lines.flatMap((line) => line.names))];
-    const found = this.#store.since(names, start);
+    const found = this.#store.since(names, window.min);
     if (!found) return;
     const columns = new Map(names.map((name, index) => [name, found[index + 1]]));
     const drawn = lines.map((line) => {
@@ -89,7 +102,7 @@ export class Plots {
     });
     plot.setData([found[0], ...drawn], false);
     plot.batch(() => {
-      plot.setScale("x", { min: start, max: Math.max(time, start + 0.1) });
+      plot.setScale("x", window);
       plot.setScale("y", range(drawn));
     });
   }

@@ -6,6 +6,7 @@ Everything is in the one file; it loads nothing from anywhere.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -27,7 +28,7 @@ from cosim.report.page.tables import (
     saturation_rows,
     verdict_rows,
 )
-from cosim.report.summary import facts, met
+from cosim.report.summary import numbers, outcome
 from cosim.theory.stability.told import ToldLoop
 
 HERE = Path(__file__).parent
@@ -40,6 +41,7 @@ MODULES = (
     HERE / "report.js",
 )
 STYLES = (LIVE / "vendor" / "uPlot.css", LIVE / "style.css", HERE / "report.css")
+BREAKS = re.compile(r"(?<=[._/\]])(?=[A-Za-z])")
 
 
 def write_page(
@@ -64,13 +66,14 @@ def write_page(
     jinja: Any = import_module("jinja2")
     markup: Any = import_module("markupsafe").Markup
     environment = jinja.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["breakable"] = _breakable
     template = environment.from_string((HERE / "report.html.j2").read_text(encoding="utf-8"))
     data = json.dumps(contents(run, summaries, scene), allow_nan=False, separators=(",", ":"))
     notes = [*run.manifest.get("notes", ()), *_warnings(content)]
     page = template.render(
         title=content["title"] or content["scenario"] or run.folder.name,
-        lead=facts(content),
-        outcome=_outcome(content),
+        lead=numbers(content),
+        outcome=outcome(content),
         status=content["status"],
         failures=[*content["failures"], *content["runaways"]],
         verdicts=verdict_rows(content),
@@ -93,12 +96,10 @@ def write_page(
     path.write_text(page, encoding="utf-8")
 
 
-def _outcome(content: Mapping[str, Any]) -> str:
-    if content["message"]:
-        return str(content["message"])
-    if content["expectations"]:
-        return met(content)
-    return "Ran to its end" if content["status"] == 0 else "Failed"
+def _breakable(text: object) -> Any:
+    """A name that a narrow page may break behind its dots and strokes, and nowhere else."""
+    safe: Any = import_module("markupsafe")
+    return safe.Markup(BREAKS.sub("<wbr>", str(safe.escape(text))))
 
 
 def _warnings(content: Mapping[str, Any]) -> list[str]:

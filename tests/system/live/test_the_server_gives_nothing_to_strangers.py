@@ -120,7 +120,9 @@ def test_a_port_that_is_taken_is_a_sentence(address):
     from cosim.base.errors import InputError
     from cosim.live.process import ServerProcess
 
-    refused = pytest.raises(InputError, match=f"127.0.0.1:{address.port} cannot be listened on")
+    refused = pytest.raises(
+        InputError, match=f"^--live-at: 127.0.0.1:{address.port} cannot be listened on"
+    )
     with ServerProcess(("127.0.0.1", address.port), None) as server, refused:
         server.address()
 

@@ -11,7 +11,10 @@ from click.testing import CliRunner
 
 from cosim.cli import cli
 from cosim.live.hands import users_of, with_hands
-from cosim.live.knobs import Panels, knob_of, knobs_of, others_events, places, with_panels
+from cosim.live.knobs.found import knobs_of
+from cosim.live.knobs.overlay import others_events, with_panels
+from cosim.live.knobs.page_knob import knob_of, places
+from cosim.live.knobs.panels import Panels
 from cosim.live.panel import KNOBS, KnobPanel
 from cosim.reading import load
 from cosim.realtime.ring import Ring

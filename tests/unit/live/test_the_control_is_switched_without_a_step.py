@@ -14,7 +14,10 @@ from cosim.base.errors import InputError
 from cosim.base.recording import MemorySink
 from cosim.cli.support.play_theory import theory_of
 from cosim.live.crossfade import Crossfade
-from cosim.live.knobs import Panels, knobs_of, others_events, places
+from cosim.live.knobs.found import knobs_of
+from cosim.live.knobs.overlay import others_events
+from cosim.live.knobs.page_knob import places
+from cosim.live.knobs.panels import Panels
 from cosim.live.panel import KNOBS
 from cosim.master.run.simulation import assemble
 from cosim.reading import load

@@ -8,7 +8,7 @@ import pytest
 
 from cosim.analysis.loop import read_loop
 from cosim.cli.support.play_theory import radii
-from cosim.live.knobs import knobs_of
+from cosim.live.knobs.found import knobs_of
 from cosim.reading import load
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.stability.spectral_radius import stability

@@ -6,6 +6,7 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from cosim.reading import load
 from cosim.record.reader import open_run
 from cosim.record.scene import read_scene
 from cosim.report.page.contents import FULL, contents
+from cosim.report.page.document import write_page
 from cosim.report.page.pack import unpack
+from cosim.report.summary import read_summary
 from cosim.run import run_scenario
 
 HOSTILE = '</script><img src=x onerror=alert(1)> & "quoted" <b>'
@@ -55,7 +58,7 @@ def test_peers_that_are_not_there_have_no_energy(run_folder: Path) -> None:
     text = (run_folder / "report.html").read_text(encoding="utf-8")
     table = text[text.index('<h2 id="energies">') :]
     table = table[: table.index("</section>")]
-    ports = re.findall(r"vr_[ab]\.[^<]*energy", table)
+    ports = re.findall(r"vr_[ab]\.[^<]*energy", table.replace("<wbr>", ""))
     assert ports == [
         f"vr_{own}.{port}"
         for own in "ab"
@@ -83,6 +86,46 @@ def test_every_signal_is_in_it_with_its_extremes(run_folder: Path) -> None:
                 low, high = (unpack(found["packed"][signal[end]]) for end in ("low", "high"))
                 assert low.min() == pytest.approx(recorded.min(), abs=room)
                 assert high.max() == pytest.approx(recorded.max(), abs=room)
+
+
+MET = {
+    "label": "",
+    "target": "vr_a.box_pose.x max",
+    "predicate": "below",
+    "threshold": 1.0,
+    "measured": 0.5,
+    "unit": "m",
+    "passed": True,
+}
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({}, "5 of 5 expectations met"),
+        ({"message": "Ctrl-C ended it."}, "Ctrl-C ended it."),
+        ({"runaways": ["a.b runs away"], "status": 1}, "1 signal ran away · 5 of 5"),
+    ],
+)
+def test_the_head_says_how_it_ended_once(
+    more: dict[str, Any], said: str, run_folder: Path, tmp_path: Path
+) -> None:
+    summary = read_summary(run_folder)
+    assert summary is not None
+    good = {"expectations": [MET] * 5, "failures": [], "status": 0, "message": ""}
+    content = {**summary.content, **good, **more}
+    with open_run(run_folder) as run:
+        summaries = {name: signal.summary() for name, signal in run.signals.items()}
+        write_page(run, tmp_path / "page.html", content, summaries)
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    head = page[page.index("<header>") : page.index("</header>")]
+    assert head.count(said) == 1
+    assert head.count("expectations met") == said.count("of 5")
+
+
+def test_a_name_may_be_broken_and_no_number_of_it(run_folder: Path) -> None:
+    page = (run_folder / "report.html").read_text(encoding="utf-8")
+    assert "vr_<wbr>a.<wbr>finger_1.<wbr>observed_<wbr>energy</th>" in page
 
 
 def test_what_moves_has_its_poses(run_folder: Path) -> None:
