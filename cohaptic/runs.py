@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from cosim.base.component import Component
-from cosim.continuation import Continuation, Origin
+from cosim.continuation.continued import Continuation
+from cosim.continuation.origin import Origin
 from cosim.master.run.execution.loop import Progress
 from cosim.reading import load
 from cosim.record.reader import SCENARIO_FILE

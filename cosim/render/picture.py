@@ -7,16 +7,15 @@ others as ghosts, fingers by contact state, forces to scale.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from math import atan2, ceil, cos, hypot, isfinite, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cosim.render.colours import Colour, colours, mixed
 from cosim.render.poses import Poses
+from cosim.render.view import Point, view_of
 
 OVERSAMPLED = 2
 FORCE_SCALE = 0.02
@@ -27,7 +26,6 @@ BODIES = 0.16
 """Height (m) over which the bodies of a single axis are spread ..."""
 BODY_ROW = 24
 """... and the least that each has (pixels)."""
-MARGIN = 0.03
 BESIDE = ((0, -18), (0, 18), (22, 0), (-22, 0))
 """Pixels from a finger to its name, in the order in which places are tried."""
 NAME_SIZE = (20.0, 17.0)
@@ -39,53 +37,7 @@ WEAK = 0.02
 """Force (N) from which there is an arrow."""
 FREE, FIRST_TOUCH, SLIDING = 0, 1, 3
 
-Point = tuple[float, float]
 Places = Sequence[Sequence[float]]
-
-
-@dataclass(frozen=True, slots=True)
-class View:
-    """Middle of the scene (m), pixels in a metre, the picture's size and its title's height."""
-
-    x: float
-    y: float
-    scale: float
-    size: tuple[int, int]
-    title: int = 0
-
-    def at(self, point: Sequence[float]) -> Point:
-        """The pixel of a place in the world; y is up there and down here."""
-        width, height = self.size
-        return (
-            width / 2 + (point[0] - self.x) * self.scale,
-            (height + self.title) / 2 - (point[1] - self.y) * self.scale,
-        )
-
-
-def view_of(scene: Mapping[str, Any], poses: Poses, size: tuple[int, int], title: int = 0) -> View:
-    """A view that holds everything that moves, in all frames, below a title of some pixels."""
-    places: list[NDArray[np.float64]] = []
-    for box in scene["boxes"]:
-        found = poses.pair(box["pose"])
-        if found is not None:
-            places += [found - 0.75 * box["side"], found + 0.75 * box["side"]]
-    for finger in scene["fingers"]:
-        found = poses.pair(finger["position"])
-        if found is not None:
-            places.append(found)
-        if finger["device"] is not None:
-            places.append(np.array([finger["device"]["base"][:2]]))
-    for body in scene["bodies"]:
-        found = poses.one(body["position"])
-        if found is not None:
-            places.append(np.stack([found, np.zeros_like(found)], axis=1))
-            places += [places[-1] - 0.1, places[-1] + 0.1]
-    every = np.concatenate(places) if places else np.array([[-0.2, -0.2], [0.2, 0.2]])
-    every = every[np.isfinite(every).all(axis=1)]
-    low, high = every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
-    scale = min(size[0] / (high[0] - low[0]), (size[1] - title) / (high[1] - low[1]))
-    middle = (low + high) / 2
-    return View(float(middle[0]), float(middle[1]), float(scale), size, title)
 
 
 class Painter:

@@ -102,7 +102,7 @@ class Replay:
         Raises:
             RunError: the run failed, or has other values than the earlier one.
         """
-        from cosim.continuation import Compared
+        from cosim.continuation.compared import Compared
         from cosim.record.reader import open_run
 
         with open_run(self._folder) as run:

@@ -13,7 +13,8 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.base.recording import RecordGroup, TextColumn
-from cosim.continuation import Continuation, Origin
+from cosim.continuation.continued import Continuation
+from cosim.continuation.origin import Origin
 from cosim.master.run.simulation import assemble
 from cosim.realtime.relay import refuse_texts
 from cosim.record.digest import digest

@@ -20,8 +20,9 @@ from cosim.record.reader import open_run
 from cosim.record.scene import read_scene
 from cosim.render.colours import colours, mixed
 from cosim.render.film import FORMATS, WRITERS
-from cosim.render.picture import OVERSAMPLED, Painter, view_of
+from cosim.render.picture import OVERSAMPLED, Painter
 from cosim.render.poses import Poses, frame_ticks, read_poses
+from cosim.render.view import view_of
 from cosim.run import run_scenario
 
 SIZE = (320, 240)

@@ -57,7 +57,7 @@ def read_one(written: str | None, options: RunOptions, say: Callable[[str], None
     """
     from cosim.cli.ssp.system import scenario_of_system
     from cosim.cli.support.fmu.alone import is_fmu, scenario_of_fmu
-    from cosim.continuation import scenario_to_run
+    from cosim.continuation.origin import scenario_to_run
     from cosim.reading import load
     from cosim.ssp.package import is_system
 
@@ -165,7 +165,7 @@ def _execution(options: RunOptions, say: Callable[[str], None]) -> Execute | Non
     Raises:
         InputError: a page is wanted beside snapshots or an origin.
     """
-    from cosim.continuation import continuation
+    from cosim.continuation.continued import continuation
 
     if not options.live and not options.foxglove:
         return continuation(say, options.origin, options.snapshots)
