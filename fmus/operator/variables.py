@@ -201,9 +201,9 @@ MODEL = Model(
             start=0.0,
             minimum=0.0,
         ),
-        _number("hand_mass", "Mass behind the grip where impedance is custom_grip", "kg", 0.5),
-        _number("grip_stiffness", "Stiffness of the grip of custom_grip", "N/m", 600.0),
-        _number("grip_damping", "Damping of the grip of custom_grip", "N.s/m", 4.5),
+        _number("hand_mass", "Mass behind the grip of custom_grip (assumed)", "kg", 0.5),
+        _number("grip_stiffness", "Stiffness of the grip of custom_grip (assumed)", "N/m", 600.0),
+        _number("grip_damping", "Damping of the grip of custom_grip (assumed)", "N.s/m", 4.5),
         ModelVariable(
             name="trajectory",
             description="How the reference moves",

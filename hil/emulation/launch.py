@@ -64,9 +64,13 @@ def make(order: Order) -> Made:
     module, _, name = _maker(order.name).partition(":")
     board = getattr(import_module(module), name)
     mechanics = order.mechanics
+    hand = mechanics.held(Hand(**order.hand))
+    # The pantograph carries a hand's mass at its tip unless it is told otherwise.
+    held = hand.is_there or order.operator is not None
+    unheld: dict[str, Any] = {} if held else {"finger_mass": 0.0}
     body = SimulatedPantograph(
-        {**order.parameters, **mechanics.parameters},
-        hand=mechanics.held(Hand(**order.hand)),
+        {**unheld, **order.parameters, **mechanics.parameters},
+        hand=hand,
         operator=order.operator,
         step=order.tick,
         gain=mechanics.gain,

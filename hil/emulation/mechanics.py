@@ -36,7 +36,10 @@ class HeldForm(Form):
 class Mechanics(Form):
     """What an emulated pantograph is made of; what is not given stays as it is."""
 
-    payload: Mass | None = Field(default=None, description="Mass on the tip (kg).")
+    payload: Mass | None = Field(
+        default=None,
+        description="Mass on the tip (kg); without it that of a hand, 0 where nobody holds it.",
+    )
     proximal_inertia: Inertia | None = Field(
         default=None, description="Of each proximal link about its motor (kg.m2)."
     )

@@ -40,6 +40,11 @@ class Hand:
         self.stiffness, self.damping = stiffness, damping
         self.reference: Pair | None = None
 
+    @property
+    def is_there(self) -> bool:
+        """Whether anybody holds the handle."""
+        return self.stiffness != 0.0 or self.damping != 0.0
+
     def force(self, position: Pair, velocity: Pair) -> Pair:
         """The force on the tip (N)."""
         if self.reference is None:

@@ -51,7 +51,8 @@ class Server:
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._listener.bind(str(path))
         self._listener.listen(4)
-        self._selector = selectors.DefaultSelector()
+        # The others round a wait up to whole milliseconds, which is more than a tick.
+        self._selector = selectors.SelectSelector()
         self._selector.register(self._listener, selectors.EVENT_READ, "listen")
         self._selector.register(link.fileno(), selectors.EVENT_READ, "link")
         if owner is not None:
@@ -65,10 +66,12 @@ class Server:
         try:
             while self._running and os.getppid() == self._parent:
                 wait = 0.5 if self._world.lockstep else max(0.0, due - time.monotonic())
-                for key, _ in self._selector.select(wait):
-                    self._handle(key)
+                ready = self._selector.select(wait)
                 if not self._world.lockstep:
+                    # First, so that what came is answered from where the mechanism is by now.
                     due = self._pass_time(due)
+                for key, _ in ready:
+                    self._handle(key)
         finally:
             self._unplug()
             self._listener.close()

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import re
-from contextlib import ExitStack
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cosim.base.errors import InputError
-from cosim.base.suggest import did_you_mean
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.terminal.complete import run_folders
@@ -21,10 +19,7 @@ from cosim.cli.support.values import Number, OutputFile
 if TYPE_CHECKING:
     from cosim.analysis.intent.filter import Tuning
     from cosim.analysis.intent.moves import Moves
-    from cosim.record.reader import Run
-
-SAID = re.compile(r"(.+\.(?:shared|up)\.finger_[12])_position\[([12])\]")
-"""Where a workstation says where a finger is."""
+    from cosim.scenario import Scenario
 
 
 @click.command("intent", cls=JsonCommand)
@@ -40,15 +35,13 @@ SAID = re.compile(r"(.+\.(?:shared|up)\.finger_[12])_position\[([12])\]")
     "fingers",
     multiple=True,
     metavar="NAME",
-    help="A finger as its station tells of it, such as vr_a.shared.finger_1.  [default: all]",
+    help="A finger that a station tells of, such as vr_a.finger_1.  [default: all]",
 )
 @click.option(
     "--network-rate",
     type=Number(1, 1e5),
-    default=128.0,
-    show_default=True,
     metavar="HZ",
-    help="How often packets are sent.",
+    help="How often packets are sent.  [default: as often as the run's were]",
 )
 @click.option(
     "--out",
@@ -60,7 +53,7 @@ def command(
     runs: tuple[Path, ...],
     *,
     fingers: tuple[str, ...],
-    network_rate: float,
+    network_rate: float | None,
     out: Path | None,
     as_json: bool,
 ) -> None:
@@ -73,14 +66,15 @@ def command(
     from cosim.analysis.intent.filter import Tuning
     from cosim.analysis.intent.fit import fit
 
-    moves, stations = _recorded(runs, fingers, Fraction(network_rate).limit_denominator(1000))
+    moves, scenarios = _recorded(runs, fingers, network_rate)
     known, unknown = moves.halves
     tuning = fit(known)
     found = errors(unknown, tuning)
     found["intent, as it comes"] = errors(unknown, Tuning.default())["intent"]
     if out is not None:
+        text = overlay(tuning, _predicting(scenarios, tuning))
         with writing(out):
-            out.write_text(overlay(tuning, stations), encoding="utf-8")
+            out.write_text(text, encoding="utf-8")
     if as_json:
         values = {name: getattr(tuning, name) for name in tuning.names}
         click.echo(json.dumps({"intent": values, "errors": found}))
@@ -99,9 +93,9 @@ def command(
 
 
 def _recorded(
-    folders: tuple[Path, ...], fingers: tuple[str, ...], rate: Fraction
-) -> tuple[Moves, list[str]]:
-    """The hands in all runs, and the components that predict.
+    folders: tuple[Path, ...], wanted: tuple[str, ...], given: float | None
+) -> tuple[Moves, list[tuple[Scenario, Path]]]:
+    """The hands in all runs, and the scenarios that ran.
 
     Raises:
         InputError: a run is none, has no such finger, or its rate is no multiple of the network's.
@@ -109,26 +103,31 @@ def _recorded(
     import numpy as np
 
     from cosim.analysis.intent.moves import Moves, cut
+    from cosim.cli.recorded.told_fingers import packet_rate, told_fingers
+    from cosim.reading import load
     from cosim.record import open_run
 
     parts: list[Moves] = []
-    stations: dict[str, None] = {}
-    with ExitStack() as stack:
-        for folder in folders:
-            run = stack.enter_context(open_run(folder))
-            names = _coordinates(run, fingers, folder)
-            stations |= dict.fromkeys(_stations(run))
-            first = run[names[0][0]]
-            ratio = first.group.rate / rate
+    scenarios: list[tuple[Scenario, Path]] = []
+    for folder in folders:
+        with open_run(folder) as run:
+            fingers = told_fingers(run, wanted)
+            scenarios.append((load(run.scenario_file), folder))
+            rate = (
+                packet_rate(scenarios[-1][0], fingers, folder)
+                if given is None
+                else Fraction(given).limit_denominator(1000)
+            )
+            rows = fingers[0].rate
+            ratio = rows / rate
             if ratio.denominator != 1:
                 raise InputError(
-                    f"{folder}: {names[0][0]} is recorded at {float(first.group.rate):g} Hz, which "
-                    f"is no multiple of --network-rate {float(rate):g}: say how often packets "
-                    "were sent."
+                    f"{folder}: {fingers[0].name} is recorded at {float(rows):g} Hz, which is no "
+                    f"multiple of --network-rate {float(rate):g}: say how often packets were sent."
                 )
-            position = np.array([run[where].values for where, _ in names], dtype=float).T
-            velocity = np.array([run[fast].values for _, fast in names], dtype=float).T
-            parts.append(cut(position, velocity, 1 / first.group.rate, int(ratio)))
+            moves = [finger.moves() for finger in fingers]
+            position, velocity = (np.hstack([each[order] for each in moves]) for order in (0, 1))
+            parts.append(cut(position, velocity, 1 / rows, int(ratio)))
     if len({(part.period, part.ratio) for part in parts}) > 1:
         raise InputError("The runs have different rates: fit to each kind by itself.")
     one = parts[0]
@@ -137,49 +136,31 @@ def _recorded(
         np.hstack([part.velocity for part in parts]),
         one.period,
         one.ratio,
-    ), list(stations)
+    ), scenarios
 
 
-def _coordinates(run: Run, fingers: tuple[str, ...], folder: Path) -> list[tuple[str, str]]:
-    """Position and velocity of every coordinate that is wanted."""
-    there: dict[str, list[tuple[str, str]]] = {}
-    for name in run.signals:
-        match = SAID.fullmatch(name)
-        rate = name.replace("_position[", "_velocity[")
-        if match and rate in run.signals:
-            there.setdefault(match[1], []).append((name, rate))
-    if not there:
-        raise InputError(
-            f"{folder} does not record what its stations say of fingers, such as "
-            "vr_a.shared.finger_1_position[1]: record them, and their velocities."
-        )
-    for finger in fingers:
-        if finger not in there:
-            raise InputError(
-                f"{folder} has no finger '{finger}'.{did_you_mean(finger, there)}"
-                f" There are {', '.join(there)}."
-            )
-    return [pair for finger in fingers or there for pair in there[finger]]
+def _predicting(scenarios: list[tuple[Scenario, Path]], tuning: Tuning) -> dict[str, str]:
+    """The components of all runs that take a predictor, and what that parameter is called."""
+    from cosim.cli.recorded.told_fingers import predicting
+
+    found: dict[str, str] = {}
+    for scenario, folder in scenarios:
+        found |= predicting(scenario, folder, tuning.names)
+    return found
 
 
-def _stations(run: Run) -> list[str]:
-    """The components of a run that take a predictor."""
-    from cosim.reading import load
+def overlay(tuning: Tuning, stations: Mapping[str, str]) -> str:
+    """A file to lay over a scenario in which every station predicts with this tuning.
 
-    takes = {"distributed_workstation", "central_server"}
-    parts = load(run.scenario_file).components.items()
-    return [name for name, part in parts if part.is_bundled and part.source in takes]
-
-
-def overlay(tuning: Tuning, stations: list[str]) -> str:
-    """A file to lay over a scenario in which every station predicts with this tuning."""
+    ``stations`` maps each to what its predictor is called.
+    """
     values: Any = ", ".join(f"{name}: {getattr(tuning, name):.4g}" for name in tuning.names)
     lines = ["# Laid over the scenario: --with THIS.yaml", "components:"]
-    for name in stations:
+    for name, predictor in stations.items():
         lines += [
             f"  {name}:",
             "    parameters:",
-            "      predictor: intent",
+            f"      {predictor}: intent",
             f"      intent: {{{values}}}",
         ]
     return "\n".join(lines) + "\n"

@@ -19,6 +19,10 @@ _BOX = (
 )
 
 
+_TOLD = (
+    ("position", "m", (Meaning.TOLD_X, Meaning.TOLD_Y)),
+    ("velocity", "m/s", (Meaning.TOLD_VELOCITY_X, Meaning.TOLD_VELOCITY_Y)),
+)
 _STATUS = (
     "Sum of 1 homed, 2 active, 4 fault, 8 output enabled, 16 in contact, 32 finger 1 and 64 finger "
     "2 can be touched, 128 the content is repeated by the deadband"
@@ -44,8 +48,10 @@ def packet_outputs(
                     unit,
                     content,
                     size=2,
+                    meaning=meanings,
+                    finger=number,
                 )
-                for quantity, unit in (("position", "m"), ("velocity", "m/s"))
+                for quantity, unit, meanings in _TOLD
             ]
         if force is not None:
             members.append(

@@ -55,7 +55,14 @@ def integer(
     )
 
 
-def choice(name: str, description: str, enumeration: Enumeration, start: int = 0) -> ModelVariable:
+def choice(
+    name: str,
+    description: str,
+    enumeration: Enumeration,
+    start: int = 0,
+    *,
+    meaning: Meaning | None = None,
+) -> ModelVariable:
     """An enumeration parameter."""
     return ModelVariable(
         name=name,
@@ -64,6 +71,7 @@ def choice(name: str, description: str, enumeration: Enumeration, start: int = 0
         type="enumeration",
         enumeration=enumeration,
         start=start,
+        meaning=meaning,
     )
 
 

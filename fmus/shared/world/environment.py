@@ -142,7 +142,12 @@ def wall_group() -> Group:
 def peer_parameters() -> tuple[ModelVariable | Group, ...]:
     """How peers are read."""
     return (
-        choice("predictor", "Where a peer is between its packets", PREDICTOR),
+        choice(
+            "predictor",
+            "Where a peer is between its packets",
+            PREDICTOR,
+            meaning=Meaning.PREDICTOR,
+        ),
         integer(
             "prediction_limit",
             "Longest time that the predictor looks ahead, in ticks",

@@ -149,14 +149,16 @@ FORCE = {
     "stiffness": [0.0, 0.0],
     "damping": [0.0, 0.0],
     "force_mode": ["sine", "sine"],
-    "force_amplitude": [1.0, 1.0],
-    "force_frequency": [4.4, 6.9],
+    "force_amplitude": [0.2, 0.2],
+    "force_frequency": [9.0, 14.0],
 }
-"""A hand that pushes the handle whatever it does (rad/s)."""
+"""A hand that pushes the handle whatever it does (N, rad/s).
+
+The motors hold the handle with some 15 N/m, so that it pushes gently: 1 N drives it away.
+"""
 
 
-@pytest.mark.exhaustive
-@pytest.mark.xfail(reason="the run beside an emulated sensor ends with status 1: not found out yet")
+@pytest.mark.slow
 def test_a_real_sensors_record_tells_the_gain(tmp_path):
     """The board of the sensor is asked over its own line; what it measures pushes the device."""
     mechanics = Mechanics(
@@ -175,7 +177,7 @@ def test_a_real_sensors_record_tells_the_gain(tmp_path):
     with Emulator(order) as emulator, Emulator(other) as sensor:
         file, plan, run = (tmp_path / each for each in ("haply.device.yaml", "plan.yaml", "run"))
         save(file, {"driver": "haply", "preset": "haply", "home": list(emulator.home)})
-        given = ["--url", emulator.url, "--seconds", "40", "--out", str(plan)]
+        given = ["--url", emulator.url, "--seconds", "12", "--out", str(plan)]
         assert command("identify", "--plan", str(file), *given)[0] == 0
         measuring = tmp_path / "sensor.device.yaml"
         asked = {"driver": "force_sensor", "preset": "six_axis", "settings": {"tare": False}}

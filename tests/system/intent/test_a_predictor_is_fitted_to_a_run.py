@@ -27,14 +27,14 @@ def invoke(*arguments: str) -> str:
 def test_a_run_is_fitted_to_and_the_next_one_uses_it(tmp_path: Path) -> None:
     invoke(*SHORT, "--no-report", "--out", str(tmp_path / "run"))
     file = tmp_path / "mine.yaml"
-    fingers = ("--finger", "vr_a.shared.finger_1", "--finger", "vr_b.shared.finger_2")
+    fingers = ("--finger", "vr_a.finger_1", "--finger", "vr_b.finger_2")
     said = json.loads(
         invoke("intent", str(tmp_path / "run"), *fingers, "--out", str(file), "--json")
     )
     errors = said["errors"]
     assert errors["intent"]["6"] < 0.7 * errors["hold"]["6"]
-    with pytest.raises(InputError, match=r"no finger 'vr_a.shared.finger_3'.*Did you mean"):
-        invoke("intent", str(tmp_path / "run"), "--finger", "vr_a.shared.finger_3")
+    with pytest.raises(InputError, match=r"no finger 'vr_a.finger_3'.*Did you mean"):
+        invoke("intent", str(tmp_path / "run"), "--finger", "vr_a.finger_3")
     with pytest.raises(InputError, match="no multiple of --network-rate 100"):
         invoke("intent", str(tmp_path / "run"), "--network-rate", "100")
     parts = load("two_users_box", overlays=[str(file)]).components

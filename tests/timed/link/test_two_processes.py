@@ -30,15 +30,17 @@ from tests.support.machine import timed
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="handshakes need a socket pair")
 
+SECONDS = "1.25"
+"""Both users have taken hold of the box by then."""
 ONE_SAMPLE = 1.0 / 128.0
 STALLED = 0.1
 """A loop that was once so late (s) has cost its peer more than a tenth of the run."""
 
 
-def run_both(out: Path, key: Path, scenario: str) -> Path | str:
-    """One second of both stations, or in a sentence which of them did not keep time."""
+def run_both(out: Path, key: Path, scenario: str, *sets: str) -> Path | str:
+    """Both stations of a short run, or in a sentence which of them did not keep time."""
     ports = free_ports()
-    options = ("--duration", "1", "--key", str(key), "--set", "expect=~")
+    options = ("--duration", SECONDS, "--key", str(key), "--set", "expect=~", *sets)
     processes = [station(name, ports, out, *options, scenario=scenario) for name in NAMES]
     ended(processes, 200.0)
     for name in NAMES:
@@ -53,17 +55,34 @@ def run_both(out: Path, key: Path, scenario: str) -> Path | str:
     return out
 
 
+def guessing(predictor: str | None) -> tuple[str, ...]:
+    """Overrides with which both users' workstations guess where the other is, if any."""
+    if predictor is None:
+        return ()
+    return tuple(
+        word
+        for user in "ab"
+        for word in ("--set", f"components.vr_{user}.parameters.predictor={predictor}")
+    )
+
+
 @pytest.mark.parametrize(
-    ("scenario", "repeats"), [("two_users_box", False), ("thesis/grasp_deadband", True)]
+    ("scenario", "predictor", "repeats"),
+    [
+        pytest.param("two_users_box", None, False, id="held"),
+        pytest.param("two_users_box", "intent", False, id="intent"),
+        pytest.param("thesis/grasp_deadband", None, True, id="deadband"),
+    ],
 )
 def test_two_stations_meet_run_record_and_can_be_merged(
-    tmp_path, scenario: str, repeats: bool
+    tmp_path, scenario: str, predictor: str | None, repeats: bool
 ) -> None:
     key = tmp_path / "key"
     subprocess.run([*COMMAND, "keygen", str(key)], check=True, capture_output=True)
     base = tmp_path
     tmp_path = timed(
-        lambda number: run_both(base / f"attempt_{number}", key, scenario), tolerates=2e-3
+        lambda number: run_both(base / f"attempt_{number}", key, scenario, *guessing(predictor)),
+        tolerates=2e-3,
     )
     secret = key.read_text().split()[1]
     for name, peer in (("station_a", "station_b"), ("station_b", "station_a")):
@@ -94,31 +113,43 @@ def test_two_stations_meet_run_record_and_can_be_merged(
         own = b["vr_b.box_pose.x"].values[first:]
         assert np.array_equal(both["vr_b.box_pose.x"].values, own[: facts["ticks"]])
         assert "vr_a.box_pose.x" in both
-    check_prediction(tmp_path, Path(facts["measured"]))
+    check_prediction(tmp_path, Path(facts["measured"]), predictor)
 
 
-def check_prediction(out: Path, measured: Path) -> None:
+def check_prediction(out: Path, measured: Path, predictor: str | None) -> None:
     """With every packet treated as it was here, a simulation gives the very bits of both sides."""
+    assert not differing(out, measured)
+    if predictor is not None:
+        # Without its guesses it is another run: they were made, and alike, over the link.
+        assert "vr_a.box_pose.x" in differing(out, measured, *guessing("hold_last"))
+
+
+def differing(out: Path, measured: Path, *sets: str) -> list[str]:
+    """Signals that are not the same bits in a simulation as they were over the link."""
     scenario = out / "merged" / "scenario.resolved.yaml"
+    predicted = out / f"predicted_{len(sets)}"
     command = [*COMMAND, "run", str(scenario), "--with", str(measured), "--set", "expect=~"]
     subprocess.run(
-        [*command, "--no-figure", "--out", str(out / "predicted")], check=True, capture_output=True
+        [*command, *sets, "--no-figure", "--out", str(predicted)], check=True, capture_output=True
     )
-    with open_run(out / "merged") as real, open_run(out / "predicted") as predicted:
+    with open_run(out / "merged") as real, open_run(predicted) as simulated:
         weights = np.array([real[f"link_{name}.lan.weight"].values for name in NAMES])
         full = weights.min(axis=0) == 1.0
         # From the first packets to where a peer was given up, if one was.
         first = int(np.argmax(full))
         end = first + int(np.argmin([*full[first:], False]))
         assert 0 < first < end
-        for group in predicted.groups.values():
-            for signal in group.signals:
-                if signal.startswith(("vr_", "finger_")):
-                    assert np.array_equal(
-                        np.asarray(real[signal].values)[first:end],
-                        np.asarray(predicted[signal].values)[first:end],
-                        equal_nan=True,
-                    ), signal
+        return [
+            signal
+            for group in simulated.groups.values()
+            for signal in group.signals
+            if signal.startswith(("vr_", "finger_"))
+            and not np.array_equal(
+                np.asarray(real[signal].values)[first:end],
+                np.asarray(simulated[signal].values)[first:end],
+                equal_nan=True,
+            )
+        ]
 
 
 def test_stations_that_would_run_different_things_refuse_with_the_difference(tmp_path) -> None:

@@ -84,12 +84,6 @@ def test_an_arm_is_its_spring_and_damper(name: str) -> None:
     assert user["force"] == pytest.approx([k * 0.007 - b * 0.1, -k * 0.02 + b * 0.2], rel=1e-12)
 
 
-def test_every_hand_says_where_its_numbers_come_from() -> None:
-    for hand in HANDS:
-        assert "assumed" in hand.description or "2015" in hand.description, hand.name
-    assert {hand.name for hand in HANDS if "assumed" not in hand.description} == {"arm"}
-
-
 def test_a_hand_that_takes_a_grip_while_it_runs_begins_where_the_finger_is() -> None:
     user = Instance("operator", impedance=1)
     user.initialise(initial_position=[0.05, 0.0])

@@ -22,8 +22,11 @@ CHANGES = {
 }
 
 
-def moved(mechanics: Mechanics) -> tuple[float, float]:
-    parameters = {"device": 1, "initial_tip_position": (0.019, 0.1)}
+NOBODY = HeldForm(stiffness=0.0, damping=0.0)
+
+
+def moved(mechanics: Mechanics, **more: float) -> tuple[float, float]:
+    parameters = {"device": 1, "initial_tip_position": (0.019, 0.1), **more}
     order = Order(name="haply", lockstep=True, parameters=parameters, mechanics=mechanics)
     board, link, _ = make(order)
     board.world.torque = (0.03, -0.02)
@@ -43,6 +46,18 @@ def usual():
 @pytest.mark.parametrize("name", CHANGES)
 def test_it_moves_otherwise(name, usual):
     assert moved(Mechanics(**{name: CHANGES[name]})) != pytest.approx(usual, abs=1e-6)
+
+
+def test_a_handle_that_nobody_holds_carries_no_hand():
+    """The pantograph carries a hand's mass by itself, which would be taken for the device's."""
+    free = moved(Mechanics(hand=NOBODY))
+    assert free == moved(Mechanics(hand=NOBODY, payload=0.0))
+    assert free != pytest.approx(moved(Mechanics(hand=NOBODY, payload=0.06)), abs=1e-3)
+
+
+def test_a_mass_that_is_given_stays_though_nobody_holds_it():
+    given = moved(Mechanics(hand=NOBODY), finger_mass=0.05)
+    assert given == moved(Mechanics(hand=NOBODY, payload=0.05))
 
 
 def test_it_is_homed_with_its_error():
