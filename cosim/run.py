@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from cosim.base.component import Component
 from cosim.base.errors import CohapticError, RunError
 from cosim.master.run.execution.loop import Progress
+from cosim.master.run.obituary import COMPLETE
 from cosim.master.run.outcome import Outcome
 from cosim.master.run.simulation import Simulation
 from cosim.master.run.whereabouts import Whereabouts
@@ -116,7 +118,7 @@ def run_scenario(
     ``watcher`` is told how far the run is.
 
     Everything happens in this process: an FMU that calls ``exit`` ends it, whatever the status; the
-    commands run simulations in a child (``cosim.cli.support.child``).
+    commands run simulations in a child (``cosim.cli.support.run.child``).
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -131,50 +133,72 @@ def run_scenario(
         for warning in prepared.warnings:
             say(f"warning: {warning}")
     expectations = prepared.expectations
-    with prepared.simulation as simulation:
-        manifest = describe(simulation.scenario, components_of_run(simulation))
-        manifest["files"] = input_files(simulation)
-        manifest["notes"] = [*simulation.notes, *prepared.warnings]
-        tell = None if watcher is None else watcher.begun
-        recorder = FolderRecorder(simulation.scenario, out, manifest, began, tell)
-        error = _run(simulation, recorder, execute or _here, progress)
-        recorder.keep_scenario(simulation.replay())
-        folder, outcome = recorder.folder, simulation.outcome
-        if folder is None or not recorder.has_begun:
-            raise error or RunError("Interrupted before the first tick; nothing was recorded.")
-        manifest["timing"] = _timing(outcome, recorder, scenario)
-        manifest["channels"] = {name: asdict(counts) for name, counts in outcome.channels.items()}
-        manifest["warnings"] = dict(outcome.warnings)
-        manifest["deadlines"] = None if deadlines is None else dict(deadlines())
-        manifest["link"] = None if link is None else dict(link())
-        conclude(
-            manifest,
-            status=_status(outcome, error),
-            message=_message(outcome, error, scenario),
-            ticks=outcome.ticks,
-        )
-        leave = _Leaver()
-        leave(lambda: write_manifest(folder, manifest))
-        if outcome.said:
-            leave(lambda: write_log(folder / LOG_FILE, outcome.said))
-        scene = describe_scene(simulation.assembly, simulation.groups)
-        drawings = Drawings(
-            figure,
-            figure if page is None else page,
-            scene,
-            lambda: _theory_of(simulation.scenario),
-        )
-        content = _report(folder, manifest, recorder, expectations, drawings, leave=leave)
-        # Last, so that it is the peak of everything, the figure included.
-        content["peak_memory"] = peak_memory()
-        leave(lambda: write_json(folder / SUMMARY_FILE, content))
-        if leave.error is not None and not content["message"]:
-            content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
-        finished = Finished(folder, Summary(content), error)
-        if watcher is not None:
-            watcher.finished(finished)
-    # FMUs are freed here: the record is finished should one of them die of it.
+    manifest: dict[str, Any] = {}
+    finished: Finished | None = None
+    try:
+        with prepared.simulation as simulation:
+            manifest |= describe(simulation.scenario, components_of_run(simulation))
+            manifest["files"] = input_files(simulation)
+            manifest["notes"] = [*simulation.notes, *prepared.warnings]
+            tell = None if watcher is None else watcher.begun
+            recorder = FolderRecorder(simulation.scenario, out, manifest, began, tell)
+            error = _run(simulation, recorder, execute or _here, progress)
+            recorder.keep_scenario(simulation.replay())
+            folder, outcome = recorder.folder, simulation.outcome
+            if folder is None or not recorder.has_begun:
+                raise error or RunError("Interrupted before the first tick; nothing was recorded.")
+            manifest["timing"] = _timing(outcome, recorder, scenario)
+            manifest["channels"] = {
+                name: asdict(counts) for name, counts in outcome.channels.items()
+            }
+            manifest["warnings"] = dict(outcome.warnings)
+            manifest["deadlines"] = None if deadlines is None else dict(deadlines())
+            manifest["link"] = None if link is None else dict(link())
+            conclude(
+                manifest,
+                status=_status(outcome, error),
+                message=_message(outcome, error, scenario),
+                ticks=outcome.ticks,
+            )
+            leave = _Leaver()
+            leave(lambda: write_manifest(folder, manifest))
+            if outcome.said:
+                leave(lambda: write_log(folder / LOG_FILE, outcome.said))
+            scene = describe_scene(simulation.assembly, simulation.groups)
+            drawings = Drawings(
+                figure,
+                figure if page is None else page,
+                scene,
+                lambda: _theory_of(simulation.scenario),
+            )
+            content = _report(folder, manifest, recorder, expectations, drawings, leave=leave)
+            # Last, so that it is the peak of everything, the figure included.
+            content["peak_memory"] = peak_memory()
+            leave(lambda: write_json(folder / SUMMARY_FILE, content))
+            if leave.error is not None and not content["message"]:
+                content |= {"status": 1, "message": str(recorder.refusal(leave.error))}
+            finished = Finished(folder, Summary(content), error)
+            if watcher is not None:
+                watcher.finished(finished)
+        # FMUs are freed here: the record is finished should one of them die of it.
+    except RunError as late:
+        if finished is None:
+            raise
+        if finished.error is None:
+            finished = _failed_late(finished, manifest, f"{late}; {COMPLETE}.")
+            if watcher is not None:
+                watcher.finished(finished)
     return finished
+
+
+def _failed_late(finished: Finished, manifest: dict[str, Any], message: str) -> Finished:
+    """A run that was recorded, and of which an FMU failed when it was closed."""
+    manifest["exit"] |= {"status": 1, "message": message}
+    content = {**finished.summary.content, "status": 1, "message": message}
+    with suppress(OSError):
+        write_manifest(finished.folder, manifest)
+        write_json(finished.folder / SUMMARY_FILE, content)
+    return Finished(finished.folder, Summary(content), RunError(message))
 
 
 def _here(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> None:

@@ -143,8 +143,8 @@ def _again(
         InputError: it is no take.
     """
     from cosim.cli.support.check_devices import DeviceJudge
-    from cosim.cli.support.child import run_in_child
     from cosim.cli.support.devices import say
+    from cosim.cli.support.run.child import run_in_child
     from cosim.live.hands import pointers_of
     from cosim.reading import load
     from cosim.record.reader import SCENARIO_FILE, open_run

@@ -55,7 +55,7 @@ class Continuation:
         refuse_unless_resumable(simulation.assembly)
         pauses = self._pauses(simulation, recorder)
         if self.origin is None:
-            simulation.run(recorder, progress=progress, pauses=pauses)
+            simulation.run(recorder, progress=progress, pauses=pauses, keep_fmus=True)
             return
         tick = tick_at(self.origin.time, simulation.scenario, "--from")
         with open_run(self.origin.folder) as run:
@@ -65,7 +65,7 @@ class Continuation:
                 if simulation.repeated:
                     self.say(_repeats(simulation))
             compared = Compared(recorder, run, 0 if snapshot is None else tick)
-            simulation.run(compared, progress=progress, pauses=pauses)
+            simulation.run(compared, progress=progress, pauses=pauses, keep_fmus=True)
             compared.judge(simulation.assembly.clock)
             self.say(compared.sentence())
 

@@ -55,7 +55,7 @@ def _rehearse(simulation: Simulation, tell: int) -> None:
         _send(tell, None)
         with simulation:
             simulation.rehearse(lambda component, what: _send(tell, (component, what)))
-        _send(tell, RunError(simulation.died) if simulation.died else "started")
+        _send(tell, RunError(simulation.closing_error) if simulation.closing_error else "started")
     except InputError as error:
         _send(tell, error)
     except CohapticError as error:

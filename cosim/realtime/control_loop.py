@@ -103,8 +103,8 @@ class ControlLoop:
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
         self._simulation.close()  # an FMU that dies of it finds everything told
-        if self._simulation.died and report.error is None:
-            status, report.error = 1, RunError(f"{self._simulation.died}; {COMPLETE}")
+        if self._simulation.closing_error and report.error is None:
+            status, report.error = 1, RunError(f"{self._simulation.closing_error}; {COMPLETE}")
             self._tell(report)
         self._tell(Over())
         return status

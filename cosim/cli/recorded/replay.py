@@ -34,8 +34,8 @@ def command(run: Path, *, out: Path | None, as_json: bool) -> None:
     tick and signal are told), 2 the run cannot be computed again.
     """
     from cosim.cli.support.check_devices import DeviceJudge
-    from cosim.cli.support.child import run_in_child
     from cosim.cli.support.devices import say
+    from cosim.cli.support.run.child import run_in_child
     from cosim.reading import load
     from cosim.record.reader import open_run
 

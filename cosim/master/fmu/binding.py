@@ -18,8 +18,8 @@ from cosim.base.component import VariableType
 from cosim.base.errors import InputError
 from cosim.master.kernel.native import function_address
 
-OK, WARNING = 0, 1
-"""The statuses with which the standard lets a run go on."""
+OK, WARNING, DISCARD = 0, 1, 2
+"""The first two let a run go on; after the third one the instance is as it was before the call."""
 
 FATAL = 4
 """The status after which all instances of a library are lost."""
@@ -228,8 +228,8 @@ class Binding(Protocol):
         """What the library lacks to save and to load a state."""
         ...
 
-    def asks_to_end(self) -> bool:
-        """Whether a discarded step was discarded because the model has come to its end."""
+    def asks_to_end(self) -> tuple[int, bool]:
+        """The status, and whether a step was discarded because the model has come to its end."""
         ...
 
     def do_step_address(self) -> int:

@@ -120,23 +120,23 @@ class Bound:
 
     def save_state(self) -> tuple[int, bytes]:
         """The status, and the whole state as bytes."""
-        return self._state.save(self._functions, self.handle)
+        return self._state.save(self._named)
 
     def load_state(self, content: bytes) -> int:
         """Restore what ``save_state`` returned."""
-        return self._state.load(self._functions, self.handle, content)
+        return self._state.load(self._named, content)
 
     def keep_state(self) -> tuple[int, c_void_p]:
         """The status, and the state as the FMU's own object."""
-        return self._state.keep(self._functions, self.handle)
+        return self._state.keep(self._named)
 
     def put_state(self, state: c_void_p) -> int:
         """Go back to a state that was kept."""
-        return self._state.put(self._functions, self.handle, state)
+        return self._state.put(self._named, state)
 
     def drop_state(self, state: c_void_p) -> int:
         """Give a kept state back."""
-        return self._state.drop(self._functions, self.handle, state)
+        return self._state.drop(self._named, state)
 
     def missing_state_functions(self) -> list[str]:
         """What the library lacks to save and to load a state."""
@@ -185,6 +185,9 @@ class Bound:
 
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of the standard, named without its prefix."""
-        name = f"{self._prefix}{function}"
+        return self._named(f"{self._prefix}{function}", *arguments)
+
+    def _named(self, name: str, *arguments: Any) -> Any:
+        """Call a function of the standard by its whole name."""
         self._calling(name)
         return self._functions[name](self.handle, *arguments)

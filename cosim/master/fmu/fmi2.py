@@ -129,13 +129,13 @@ class Fmi2(Bound):
         """FMI 2.0 has no clocks."""
         return OK
 
-    def asks_to_end(self) -> bool:
+    def asks_to_end(self) -> tuple[int, bool]:
         """Whether a step was discarded because the model has come to its end (section 4.2.1)."""
         if "fmi2GetBooleanStatus" not in self._functions:
-            return False
+            return OK, False
         found = c_int(0)
         status = self._call("GetBooleanStatus", _TERMINATED, ctypes.byref(found))
-        return status == OK and found.value != 0
+        return status, self.is_well(status) and found.value != 0
 
 
 @cache

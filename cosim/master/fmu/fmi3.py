@@ -211,9 +211,9 @@ class Fmi3(Bound):
         which = self.references(references)
         return self._call("SetIntervalDecimal", which, len(references), given)
 
-    def asks_to_end(self) -> bool:
+    def asks_to_end(self) -> tuple[int, bool]:
         """FMI 3.0 says so with the step itself."""
-        return False
+        return OK, False
 
 
 def _copied(address: Any, size: int) -> bytes | None:

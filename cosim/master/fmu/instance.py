@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import cast
 
 from cosim.base.component import VariableType
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, RunError
 from cosim.master.fmu.binding import FATAL, OK, WARNING, Binding, InstanceWanted
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.fmi2 import Fmi2
 from cosim.master.fmu.fmi3 import Fmi3
-from cosim.master.fmu.loaded.conduct import Conduct
+from cosim.master.fmu.isolation.isolated import ProcessEnded
+from cosim.master.fmu.loaded.conduct import AFTER_FATAL, Conduct
 from cosim.master.fmu.loaded.residence import Residence
 from cosim.master.fmu.loaded.states import States
 from cosim.master.fmu.loaded.texts import TextCalls
@@ -115,8 +116,13 @@ class Fmu:
         """It has changed what belongs to the process."""
         self._conduct.disturbed(what)
 
+    @property
+    def is_gone(self) -> bool:
+        """Whether the process that it has for itself was found to have ended."""
+        return self._residence.is_gone
+
     def judge(self, status: int) -> None:
-        """Take note of what a call returned that was not well."""
+        """Take note of what a call returned."""
         self._conduct.judge(status)
 
     def instantiate(self) -> None:
@@ -170,14 +176,18 @@ class Fmu:
 
         Raises:
             InputError: as ``instantiate``.
+            RunError: it is lost.
         """
-        trusted = self.is_trusted and not self.is_lost
-        if trusted and self._bound.reset() in {OK, WARNING}:
-            self._residence.log.forget()
-        else:
+        status = self._bound.reset() if self.is_trusted and not self.is_lost else None
+        is_reset = status in {OK, WARNING}
+        if not is_reset:
+            self._conduct.judge(OK if status is None else status)
             self.close(failed=failed)
-            self._residence.log.forget()
-            self._conduct.is_lost = False
+            if self.is_lost:
+                raise RunError(f"{self.component}: {AFTER_FATAL}.")
+        self._residence.log.forget()
+        self._conduct.forget()
+        if not is_reset:
             self.instantiate()
         self._initialised = False
 
@@ -265,21 +275,39 @@ class Fmu:
 
         FMI 3 says so with the step itself; FMI 2 is asked for it (section 4.2.1, fmi2Terminated).
         """
-        return self._bound.asks_to_end()
+        status, asks = self._bound.asks_to_end()
+        self._residence.calling("")
+        self._conduct.judge(status)
+        return asks
 
-    def close(self, *, failed: bool = False) -> None:
+    def close(self, *, failed: bool = False) -> int:
         """Terminate and free; nothing at all after a fatal status (FMI 2.0.4 section 2.1.3).
 
         ``failed``: an error status was met, by this instance or fatally by another one of the same
-        library, so only freeing is allowed.
+        library, so only freeing is allowed. What terminating returned; it is closed all the same.
         """
-        if self._residence.binding is not None:
+        try:
+            return self._take_leave(failed=failed)
+        finally:
+            with self._residence.leaving(is_lost=self.is_lost) as binding:
+                if binding is not None and binding.handle and not self.is_lost:
+                    binding.free()
+
+    def _take_leave(self, *, failed: bool) -> int:
+        """Every call before the last one; what terminating returned, where it was called."""
+        binding = self._residence.binding
+        if binding is None or not binding.handle or self.is_lost:
+            return OK
+        try:
             self.states.drop()
-        with self._residence.leaving(is_lost=self.is_lost) as binding:
-            if binding is not None and binding.handle and not self.is_lost:
-                if self._initialised and not failed:
-                    binding.terminate()  # whatever it returns: closing must reach every component
-                binding.free()
+            if not self._initialised or failed or self._conduct.has_failed:
+                return OK
+            status = binding.terminate()
+        except ProcessEnded:
+            self._conduct.judge(OK)
+            raise
+        self._conduct.judge(status)
+        return status
 
     @property
     def _bound(self) -> Binding:

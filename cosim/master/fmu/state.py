@@ -8,9 +8,17 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, c_int, c_size_t, c_void_p
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
-from cosim.master.fmu.binding import OK, WARNING, Library, Prototype
+from cosim.master.fmu.binding import FATAL, OK, WARNING, Library, Prototype
+
+
+class CallByName(Protocol):
+    """Calls a function of an instance by its name in the standard, and returns its status."""
+
+    def __call__(self, name: str, *arguments: Any) -> int:
+        """``arguments`` are those after the instance."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,44 +48,47 @@ class StateFunctions:
         """Those that the library lacks."""
         return [name for name in self.prototypes() if name not in library]
 
-    def save(self, library: Library, handle: int) -> tuple[int, bytes]:
+    def save(self, call: CallByName) -> tuple[int, bytes]:
         """The first status that is neither OK nor a warning, and the serialised state."""
-        state, size = c_void_p(), c_size_t()
-        status = library[self.get](handle, ctypes.byref(state))
+        status, state = self.keep(call)
         if status not in {OK, WARNING}:
             return status, b""
-        content = b""
-        status = library[self.size](handle, state, ctypes.byref(size))
+        size, content = c_size_t(), b""
+        status = call(self.size, state, ctypes.byref(size))
         if status in {OK, WARNING}:
             room = (self.byte * size.value)()
-            status = library[self.serialise](handle, state, room, size.value)
+            status = call(self.serialise, state, room, size.value)
             content = bytes(room)
-        freed = library[self.free](handle, ctypes.byref(state))
-        return (status if status not in {OK, WARNING} else freed), content
+        return self._freed(call, state, status), content
 
-    def keep(self, library: Library, handle: int) -> tuple[int, c_void_p]:
+    def keep(self, call: CallByName) -> tuple[int, c_void_p]:
         """The status, and the state as the FMU's own object; ``drop`` gives it back."""
         state = c_void_p()
-        return library[self.get](handle, ctypes.byref(state)), state
+        return call(self.get, ctypes.byref(state)), state
 
-    def put(self, library: Library, handle: int, state: c_void_p) -> int:
+    def put(self, call: CallByName, state: c_void_p) -> int:
         """Go back to a state that was kept, which stays."""
-        return library[self.set](handle, state)
+        return call(self.set, state)
 
-    def drop(self, library: Library, handle: int, state: c_void_p) -> int:
+    def drop(self, call: CallByName, state: c_void_p) -> int:
         """Give a kept state back."""
-        return library[self.free](handle, ctypes.byref(state))
+        return call(self.free, ctypes.byref(state))
 
-    def load(self, library: Library, handle: int, content: bytes) -> int:
+    def load(self, call: CallByName, content: bytes) -> int:
         """Restore what was serialised; the first status that is neither OK nor a warning."""
         state = c_void_p()
         room = (self.byte * len(content)).from_buffer_copy(content)
-        status = library[self.deserialise](handle, room, len(content), ctypes.byref(state))
+        status = call(self.deserialise, room, len(content), ctypes.byref(state))
         if status not in {OK, WARNING}:
             return status
-        status = library[self.set](handle, state)
-        freed = library[self.free](handle, ctypes.byref(state))
-        return status if status not in {OK, WARNING} else freed
+        return self._freed(call, state, call(self.set, state))
+
+    def _freed(self, call: CallByName, state: c_void_p, status: int) -> int:
+        """Give a state back after ``status``, which stays the one that counts unless it is well."""
+        if status == FATAL:
+            return status  # nothing may be called any more
+        freed = self.drop(call, state)
+        return freed if status in {OK, WARNING} else status
 
 
 FMI2 = StateFunctions(

@@ -25,6 +25,7 @@ from cosim.master.run.checkpoint import (
     saved,
     without_state,
 )
+from cosim.master.run.diagnosis import moment
 from cosim.master.run.fingerprint import components_of, difference
 
 
@@ -68,7 +69,7 @@ def mark(
             f"{name} is turned while it runs, so that runs cannot begin in the middle."
         )
     for fmu in fmus.values():
-        fmu.states.keep()
+        fmu.states.keep(f" at {moment(program)}")
     kernel = program.kernel
     return BranchPoint(
         assembly=assembly,
@@ -114,7 +115,7 @@ def go_back(
     """
     program.rewind(assembly.wiring)
     for fmu in fmus.values():
-        fmu.states.go_back()
+        fmu.states.go_back(f" at {moment(program)}")
     for number, (values, tables) in enumerate(origin.bundles):
         try:
             program.packets.branch(number, values, tables)

@@ -14,6 +14,7 @@ from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.python_component import sentences
 from cosim.master.fmu.instance import Fmu
 from cosim.master.kernel.program import Program
+from cosim.master.run.diagnosis import moment
 from cosim.master.run.fingerprint import components_of, difference, plan_digest
 from cosim.master.run.snapshot import Snapshot
 from cosim.scenario import Kind
@@ -65,7 +66,8 @@ def take(
     arrays: dict[str, Any] = {"cells": program.cells.copy(), **program.texts.save()}
     if not without_state(assembly):
         for name, fmu in fmus.items():
-            arrays[f"fmu.{name}"] = np.frombuffer(fmu.states.save(), dtype=np.uint8)
+            content = fmu.states.save(f" at {moment(program)}")
+            arrays[f"fmu.{name}"] = np.frombuffer(content, dtype=np.uint8)
     bundles: list[Any] = []
     for number in range(len(assembly.wiring.bundles)):
         values, tables = program.packets.save(number)
@@ -117,7 +119,8 @@ def put_back(
     kernel = program.kernel
     try:
         for name, fmu in fmus.items():
-            fmu.states.load(arrays[f"fmu.{name}"].tobytes())
+            when = f" at {moment(program)}"
+            fmu.states.load(arrays[f"fmu.{name}"].tobytes(), when)
         program.cells[:] = arrays["cells"]
         program.texts.load(arrays)
         program.channels.take_back()

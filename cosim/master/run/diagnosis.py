@@ -11,8 +11,7 @@ from cosim.base.errors import CohapticError, EndAsked, InputError, RunError
 from cosim.master.assembly.plan import Act
 from cosim.master.components.interface import Element
 from cosim.master.fmu.instance import Fmu
-from cosim.master.fmu.isolation.isolated import GONE
-from cosim.master.fmu.log import STATUS_NAMES
+from cosim.master.fmu.loaded.conduct import status_word
 from cosim.master.kernel.codes import EventCall, EventFault, KernelOutcome, OperationKind
 from cosim.master.kernel.program import Program
 from cosim.master.run.whereabouts import AT_EVENTS
@@ -21,12 +20,14 @@ _DID = {
     Act.SET: "setting its inputs",
     Act.GET: "reading its outputs",
     Act.STEP: "its step",
+    Act.TUNE: "the turning of a parameter",
 }
 
 _IN = {
     Act.SET: "while its inputs were set",
     Act.GET: "while its outputs were read",
     Act.STEP: "in its step",
+    Act.TUNE: "while a parameter was turned",
 }
 
 
@@ -42,18 +43,19 @@ def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> C
     fmu = fmus.get(component)
     chatted = fmu.reason() if fmu is not None else ""
     logged = chatted or "; it logged nothing"
+    act = Act.TUNE if kernel.kind == OperationKind.TUNE else action.act
     at_event = AT_EVENTS.get(EventCall(kernel.event_call)) if action.act is Act.STEP else None
     if outcome is KernelOutcome.STATUS:
         number = int(kernel.status)
-        if number == GONE and fmu is not None:
-            place = at_event or _IN[action.act]
+        if fmu is not None and fmu.is_gone:
+            place = at_event or _IN[act]
             return RunError(f"{component} {fmu.manner_of_ending()} {place} at {when}{chatted}")
-        known = 0 <= number < len(STATUS_NAMES)
-        status = STATUS_NAMES[number] if known else str(number)
-        if status == "discard" and fmu is not None and fmu.asks_to_end():
+        status = status_word(number)
+        is_step = act is Act.STEP and at_event is None
+        if status == "discard" and is_step and fmu is not None and fmu.asks_to_end():
             return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
         kind = RunError if kernel.running or status == "fatal" else InputError
-        came = at_event or f"from {_DID[action.act]}"
+        came = at_event or f"from {_DID[act]}"
         return kind(f"{component} returned status '{status}' {came} at {when}{logged}")
     if outcome is KernelOutcome.NOT_A_NUMBER:
         return RunError(f"{_variable(program)} became NaN at {when}{logged}")

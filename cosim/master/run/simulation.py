@@ -152,7 +152,8 @@ class Simulation:
                     self._loop.run(run, end, sink, wish, pauses=stops, progress=progress)
             interrupted = wish.is_made and self.program.kernel.tick < end
             if mark_at_end and not interrupted:
-                self._origin = branch_point.mark(*self._cycle.state)
+                with self._cycle.guarding():
+                    self._origin = branch_point.mark(*self._cycle.state)
         except KeyboardInterrupt:
             interrupted = True
         except EndAsked as end_asked:
@@ -187,7 +188,8 @@ class Simulation:
             raise InputError("No run of this simulation has ended where others could begin.")
         branch_point.check_branch(self._origin, assembly)
         self._cycle.take(assembly)
-        branch_point.go_back(self._origin, *self._cycle.state)
+        with self._cycle.guarding():
+            branch_point.go_back(self._origin, *self._cycle.state)
 
     def renew(self, assembly: Assembly) -> None:
         """Make ready for another run, after one with ``keep_fmus``; nothing of that one is left.
@@ -257,7 +259,8 @@ class Simulation:
         """
         if not self._cycle.is_running:
             raise RunError("Nothing runs of which a snapshot could be taken.")
-        return checkpoint.take(*self._cycle.state)
+        with self._cycle.guarding():
+            return checkpoint.take(*self._cycle.state)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from a snapshot: at once where the run has started, else when it starts.
@@ -300,9 +303,9 @@ class Simulation:
         self._cycle.close()
 
     @property
-    def died(self) -> str:
-        """The sentence of an isolated FMU whose process ended when it was closed."""
-        return self._cycle.fmus.died
+    def closing_error(self) -> str:
+        """The sentence of an FMU that failed, or whose process ended, when it was closed."""
+        return self._cycle.fmus.closing_error
 
     def __enter__(self) -> Simulation:
         return self
@@ -314,8 +317,8 @@ class Simulation:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-        if kind is None and self.died:
-            raise RunError(self.died)
+        if kind is None and self.closing_error:
+            raise RunError(self.closing_error)
 
     def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
         told, is_rehearsal = rehearsal or _tell_nobody, rehearsal is not None

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import mmap
+from collections.abc import Generator
+from contextlib import contextmanager
 from typing import Any
 
 from cosim.master.fmu.log import LOG_BYTES, Log, Said
@@ -70,9 +72,22 @@ class Whereabouts:
         """No such call is going on: the kernel's structure says what is."""
         self._memory[0] = 0
 
+    @contextmanager
+    def aside(self) -> Generator[None]:
+        """What is noted inside is forgotten afterwards, and what was noted before counts again."""
+        before = self._memory[:_HEARD]
+        yield
+        self._memory[:_HEARD] = before
+
     def forget(self) -> None:
         """Be as new, for another run; the last one's kernel has ended."""
         self._memory[:_STATE_BYTES] = bytes(_STATE_BYTES)
+
+    def place(self) -> bytes:
+        """Where the run is, and what it has heard: the same as long as it does not move."""
+        kernel = self.kernel
+        where = (kernel.tick, kernel.running, kernel.position, kernel.owner, kernel.event_call)
+        return bytes(self._memory[:_NOTE_BYTES]) + repr(where).encode()
 
     def hear(self) -> None:
         """Count an interrupt that the run has heard."""
@@ -101,12 +116,11 @@ class Whereabouts:
 
         ``scenario`` is the one that ran; its components give the numbers their names.
         """
-        tick = int(self.kernel.tick)
-        when = f"at tick {tick} ({float((scenario.start_tick + tick) / scenario.base_rate):g} s)"
+        when = self.when(scenario)
         text = bytes(self._memory[:_HEARD]).split(b"\0", 1)[0].decode(errors="replace")
         if text:
             component, call = text.split("\n", 1)
-            return component, f"in {call} {when if tick else 'before the first tick'}"
+            return component, f"in {call} {when}"
         names = sorted(scenario.components)
         if self.kernel.running >= 0 and self.kernel.kind in _KERNEL_DID:
             if self.kernel.kind != OperationKind.CALL:
@@ -117,7 +131,15 @@ class Whereabouts:
                 did = AT_EVENTS[EventCall(self.kernel.event_call)]
             when = when if self.kernel.running else "at initialisation"
             return names[int(self.kernel.owner)], f"{did} {when}"
-        return "", when if tick else "before the first tick"
+        return "", when
+
+    def when(self, scenario: Scenario) -> str:
+        """The time that the run has come to: ``at tick 5 (0.005 s)``."""
+        tick = int(self.kernel.tick)
+        if tick == 0 and self.kernel.running <= 0:
+            return "before the first tick"
+        seconds = float((scenario.start_tick + tick) / scenario.base_rate)
+        return f"at tick {tick} ({seconds:g} s)"
 
 
 def _foreign(scenario: Scenario) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""FMUs that end their process in any call, and what has to be left of a run with one."""
+"""FMUs that end their process, by the command line; ``failing`` has every call and every way."""
 
 from __future__ import annotations
 
@@ -7,78 +7,29 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from cosim.record.reader import open_run
 from tests.support.fmus.foreign import foreign_fmu, scalar
 
 TICKS = 8
-WAYS = {
-    "exit(0)": ("exit(0)", "ended the process (exit status 0)"),
-    "_exit(0)": ("_exit(0)", "ended the process (exit status 0)"),
-    "exit(3)": ("exit(3)", "ended the process (exit status 3)"),
-    "abort": ("abort()", "crashed (SIGABRT: aborted)"),
-    "SIGSEGV": ("*(volatile int *)8 = 1", "crashed (SIGSEGV: segmentation fault)"),
-    "SIGFPE": ("raise(8)", "crashed (SIGFPE: floating point exception)"),
-}
 EARLY = "before the first tick; nothing was recorded"
 WHOLE = f"at tick {TICKS} ({TICKS} s); the record is complete"
-EARLY_EVENTS = ("GetIntervalDecimal", "GetShiftDecimal")
-EVENTS = ("EnterEventMode", "SetClock", "GetClock", "UpdateDiscreteStates", "EnterStepMode")
-EVENT_CALLS = (*EARLY_EVENTS, *EVENTS)
-"""The calls of event mode, which FMI 3 alone has."""
 CALLS = {
     "Instantiate": (EARLY, "in {name} "),
-    "SetString": (EARLY, "in {name} "),
     "EnterInitializationMode": (EARLY, "in {name} "),
     "ExitInitializationMode": (EARLY, "in {name} "),
-    "initial Get": ("while its outputs were read at initialisation; nothing was recorded", ""),
     "DoStep": ("in its step at tick 3 (3 s); what was written before is kept", ""),
-    "Set": ("while its inputs were set at tick 3 (3 s); what was written before is kept", ""),
-    "Get": ("while its outputs were read at tick 3 (3 s); what was written before is kept", ""),
-    **dict.fromkeys(EARLY_EVENTS, ("at initialisation; nothing was recorded", "in {name} ")),
-    **dict.fromkeys(EVENTS, ("at tick 3 (3 s); what was written before is kept", "in {name} ")),
     "Terminate": (WHOLE, "in {name} "),
-    "FreeInstance": (WHOLE, "in {name} "),
 }
-
-
-CASES = [
-    (version, call)
-    for version in (2, 3)
-    for call in CALLS
-    if version == 3 or call not in EVENT_CALLS
-]
-"""Each call of each version."""
-SPARED = [
-    pytest.param(
-        version,
-        call,
-        marks=pytest.mark.exhaustive
-        if call in EVENT_CALLS and call != "UpdateDiscreteStates"
-        else (),
-    )
-    for version, call in CASES
-]
-"""The same, where one call of event mode is enough unless everything is run."""
 
 
 def dying(folder: Path, version: int, call: str, code: str, rate: int = 1) -> Path:
-    """An FMU that does ``code`` in a call of the standard, the late ones at tick 3 of ``rate``."""
-    kind = {2: "Real", 3: "Float64"}[version]
-    name = {"Set": f"Set{kind}", "Get": f"Get{kind}", "initial Get": f"Get{kind}"}.get(call, call)
-    late = {
-        "DoStep": f"m->time > {2.5 / rate}",
-        "Set": f"m->time > {1.5 / rate}",
-        "Get": f"m->time > {1.5 / rate}",
-        **dict.fromkeys(EVENTS, f"m->time > {2.5 / rate}"),
-    }
-    instant = f"m->interval[10] = {1 / rate}, m->qualifier[10] = m->event = true;"
+    """An FMU that does ``code`` in a call of the standard, in its steps at tick 3 of ``rate``."""
+    name = {"initial Get": {2: "GetReal", 3: "GetFloat64"}[version]}.get(call, call)
+    late = {"DoStep": f"m->time > {2.5 / rate}"}
     snippet = f"""
-        void exit(int); void _exit(int); void abort(void); int raise(int);
+        void exit(int); void _exit(int); void abort(void); int raise(int); int pause(void);
         static int hook(Foreign *m, const char *call)
         {{
-            {instant}
             if (is(call, "{name}") && {late.get(call, "1")})
                 {code};
             return 0;
@@ -93,19 +44,10 @@ def dying(folder: Path, version: int, call: str, code: str, rate: int = 1) -> Pa
             causality="parameter", variability="fixed", **({"start": "x"} if version == 2 else {}),
         )
     )  # fmt: skip
-    if version == 3:
-        variables += (
-            '<Clock name="c" valueReference="10" causality="input" intervalVariability="fixed"/>'
-            '<Clock name="told" valueReference="11" causality="output" '
-            'intervalVariability="triggered"/>'
-        )
-    structure = '<Output valueReference="2" dependencies=""/><Output valueReference="11"/>'
+    structure = '<Output valueReference="2" dependencies=""/>'
     if version == 2:
         structure = '<Outputs><Unknown index="2" dependencies=""/></Outputs>'
-    interface = {"hasEventMode": "true"} if call in EVENT_CALLS else {}
-    return foreign_fmu(
-        folder, version, variables, snippet=snippet, structure=structure, interface=interface
-    )
+    return foreign_fmu(folder, version, variables, snippet=snippet, structure=structure)
 
 
 def command(folder: Path, fmu: Path, *options: str, rate: int = 1, keys: str = "") -> list[str]:

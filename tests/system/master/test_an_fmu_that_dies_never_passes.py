@@ -1,4 +1,4 @@
-"""Whatever an FMU does to its process, the command has status 1, a sentence and the record."""
+"""What an FMU does to its process, as a user sees it: the command's status, words and files."""
 
 from __future__ import annotations
 
@@ -13,25 +13,16 @@ from pathlib import Path
 import pytest
 
 from cosim.record.reader import open_run
-from tests.support.fmus.dying import (
-    CASES,
-    SPARED,
-    WAYS,
-    command,
-    dying,
-    ended,
-    record_is_right,
-    sentence,
-)
+from tests.support.fmus.dying import command, dying, ended, record_is_right, sentence
 from tests.support.fmus.foreign import foreign_fmu, scalar
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a child needs Linux")
+PACED = 100
+"""Ticks a second of the paced runs: nothing here hangs on their being met."""
 
 
-@pytest.mark.parametrize(("version", "call"), CASES)
-def test_exit_0_in_any_call_is_a_failure_with_its_place(
-    tmp_path: Path, call: str, version: int
-) -> None:
+@pytest.mark.parametrize(("version", "call"), [(2, "DoStep"), (3, "Terminate")])
+def test_exit_0_is_a_failure_with_its_place(tmp_path: Path, call: str, version: int) -> None:
     where, place = sentence(call, version)
     done = ended(tmp_path, dying(tmp_path, version, call, "exit(0)"))
     assert done.returncode == 1, done.stderr
@@ -40,13 +31,16 @@ def test_exit_0_in_any_call_is_a_failure_with_its_place(
     record_is_right(tmp_path, place, done.stderr)
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_every_way_of_dying_has_its_sentence(tmp_path: Path, way: str) -> None:
-    code, said = WAYS[way]
-    done = ended(tmp_path, dying(tmp_path, 3, "DoStep", code))
-    assert done.returncode == 1
-    assert f"box {said} in its step at tick 3 (3 s); what was written" in done.stderr
-    record_is_right(tmp_path, "kept", done.stderr)
+@pytest.mark.parametrize("option", ["--snapshot=0.02 s", "--realtime"])
+def test_the_record_is_finished_before_fmus_are_freed_however_it_runs(
+    tmp_path: Path, option: str
+) -> None:
+    where, place = sentence("Terminate", 3, PACED)
+    fmu = dying(tmp_path, 3, "Terminate", "exit(0)", PACED)
+    done = ended(tmp_path, fmu, option, rate=PACED)
+    assert done.returncode == 1, done.stderr
+    assert f"box ended the process (exit status 0) {where}" in done.stderr
+    record_is_right(tmp_path, place, done.stderr)
 
 
 SAYS = 'say(m, 3, "the licence has expired"), '
@@ -105,79 +99,39 @@ def test_the_record_has_what_was_flushed(tmp_path: Path) -> None:
         assert rows.tolist() == pytest.approx([tick / rate for tick in range(len(rows))])
 
 
-PACED = 100
-"""Ticks a second of the paced runs: nothing here hangs on their being met."""
-
-
-@pytest.mark.parametrize(("version", "call"), SPARED)
-def test_in_a_paced_run_too(tmp_path: Path, call: str, version: int) -> None:
-    where, place = sentence(call, version, PACED)
-    fmu = dying(tmp_path, version, call, "exit(0)", PACED)
-    done = ended(tmp_path, fmu, "--realtime", rate=PACED)
-    assert done.returncode == 1, done.stderr
-    assert f"box ended the process (exit status 0) {where}" in done.stderr
-    assert "Traceback" not in done.stderr
-    record_is_right(tmp_path, place, done.stderr)
-
-
-@pytest.mark.parametrize("way", WAYS)
-def test_every_way_of_dying_in_a_paced_run(tmp_path: Path, way: str) -> None:
-    code, said = WAYS[way]
-    fmu = dying(tmp_path, 3, "DoStep", code, PACED)
-    done = ended(tmp_path, fmu, "--realtime", rate=PACED)
-    assert done.returncode == 1
-    assert f"box {said} in its step at tick 3 (0.03 s); what was written" in done.stderr
-    record_is_right(tmp_path, "kept", done.stderr)
-
-
-@pytest.mark.parametrize("options", [(), ("--realtime",)])
-@pytest.mark.parametrize(("version", "call"), SPARED)
-def test_in_a_process_of_its_own_too(
-    tmp_path: Path, call: str, version: int, options: tuple[str, ...]
-) -> None:
-    rate = PACED if options else 1
-    where, place = sentence(call, version, rate)
-    place = place.replace("what was written before is kept", "kept")
-    fmu = dying(tmp_path, version, call, "exit(0)", rate)
-    done = ended(tmp_path, fmu, *options, rate=rate, keys=", isolate: process")
-    assert done.returncode == 1, done.stderr
-    said, _, kept = where.partition(";")
-    assert f"box ended the process (exit status 0) {said}" in done.stderr
-    assert "complete" not in kept or kept in done.stderr
-    assert "Traceback" not in done.stderr
-    record_is_right(tmp_path, place, done.stderr)
-
-
-@pytest.mark.parametrize("way", WAYS)
-def test_every_way_of_dying_in_a_process_of_its_own(tmp_path: Path, way: str) -> None:
-    code, said = WAYS[way]
-    fmu = dying(tmp_path, 3, "DoStep", code)
-    done = ended(tmp_path, fmu, keys=", isolate: process")
-    assert done.returncode == 1
-    assert f"box {said} in its step at tick 3 (3 s)" in done.stderr
-    record_is_right(tmp_path, "kept", done.stderr)
-
-
 @pytest.mark.parametrize("options", [(), ("--realtime",)])
 @pytest.mark.parametrize("call", ["sys.exit(0)", "os._exit(0)"])
+@pytest.mark.parametrize(
+    ("method", "where"),
+    [
+        ("initialise", "in its initialisation before the first tick; nothing was recorded"),
+        ("step", "in a method of its class at tick 3 (3 s); what was written before is kept"),
+        ("close", "in its closing at tick 8 (8 s); what was written before is kept"),
+    ],
+)
 def test_a_python_component_cannot_leave_with_success_either(
-    tmp_path: Path, call: str, options: tuple[str, ...]
+    tmp_path: Path, method: str, where: str, call: str, options: tuple[str, ...]
 ) -> None:
+    body = {"initialise": "pass", "step": "pass", "close": "pass"}
+    body[method] = f"tick in (None, 3) and {call}"
     (tmp_path / "mine.py").write_text(
         "import os, sys\nfrom cosim.base.component import *\n\nclass Leaves(Component):\n"
         "    variables = (Variable(name='y', causality=Causality.OUTPUT),)\n"
-        "    def initialise(self, setup, inputs, outputs): pass\n"
-        f"    def step(self, tick):\n        if tick == 3: {call}\n"
+        f"    def initialise(self, setup, inputs, outputs, tick=None): {body['initialise']}\n"
+        f"    def step(self, tick): {body['step']}\n"
+        f"    def close(self, tick=None): {body['close']}\n"
     )
     run = command(tmp_path, Path("none"), *options)
     (tmp_path / "test.yaml").write_text(
-        "cohaptic: 1\nduration: 8\nbase_rate: 1\n"
-        "components: {it: {python: 'mine:Leaves', rate: 1}}\n"
+        f"cohaptic: 1\nduration: {0.08 if options else 8}\nbase_rate: {100 if options else 1}\n"
+        f"components: {{it: {{python: 'mine:Leaves', rate: {100 if options else 1}}}}}\n"
     )
+    for tick in (3, 8) if options else ():
+        where = where.replace(f"({tick} s)", f"({tick / 100:g} s)")
     done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "it " in done.stderr
-    assert "in a method of its class at tick 3 (3 s)" in done.stderr
+    assert where in done.stderr
 
 
 SLOW = """
@@ -234,6 +188,74 @@ def test_the_child_dies_with_its_parent(tmp_path: Path) -> None:
     while is_alive(child) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not is_alive(child)
+
+
+STUCK = '{ int open(const char *, int, ...); open("stuck", 65, 0600); for (;;) pause(); }'
+
+
+def wait_for(file: Path) -> None:
+    deadline = time.monotonic() + 30
+    while not file.exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert file.exists()
+
+
+def ends_by_ctrl_c(folder: Path, call: str, *options: str, keys: str = "", times: int) -> str:
+    """What the command says that is interrupted so often, of an FMU that does not come back."""
+    fmu = dying(folder, 3, call, STUCK, PACED)
+    process = subprocess.Popen(
+        command(folder, fmu, *options, rate=PACED, keys=keys),
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_for(folder / "stuck")
+    for _ in range(times):
+        process.send_signal(signal.SIGINT)
+        time.sleep(1.3)
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 1
+    return said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("keys", ["", ", isolate: process"])
+@pytest.mark.parametrize("call", ["Instantiate", "DoStep"])
+def test_a_call_without_an_end_is_left_at_the_second_ctrl_c(
+    tmp_path: Path, call: str, keys: str
+) -> None:
+    where, place = sentence(call, 3, PACED)
+    said = ends_by_ctrl_c(tmp_path, call, keys=keys, times=2)
+    where, _, kept = where.partition("; ")
+    ended = f"box did not come back {where}, so that Ctrl-C ended it; {kept}."
+    if keys and call == "Instantiate":  # Python waits for the other process, and hears the first
+        ended = "Interrupted before the first tick; nothing was recorded."
+    assert ended in said
+    record_is_right(tmp_path, place, said)
+
+
+@pytest.mark.slow
+def test_a_paced_call_without_an_end_is_left_at_the_first_ctrl_c(tmp_path: Path) -> None:
+    said = ends_by_ctrl_c(tmp_path, "DoStep", "--realtime", times=1)
+    assert (
+        "the control loop did not end; it was killed while box was at work in its step at tick 3 "
+        "(0.03 s)" in said
+    )
+
+
+@pytest.mark.slow
+def test_whoever_is_slow_is_not_given_up(tmp_path: Path) -> None:
+    """Steps of 50 ms: an interrupt ends it between two of them."""
+    fmu = foreign_fmu(tmp_path, 3, scalar(3, "u", 1, causality="input", start="0"), snippet=SLOW)
+    run = command(tmp_path, fmu)
+    (tmp_path / "test.yaml").write_text(
+        f"cohaptic: 1\nduration: 1000\nbase_rate: 1\ncomponents:\n  box: {{fmu: {fmu}, rate: 1}}\n"
+    )
+    process = subprocess.Popen(run, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    wait_for(tmp_path / "out" / "run.h5")
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=20)
+    assert "Interrupted at tick" in said
 
 
 def is_alive(process: int) -> bool:

@@ -118,7 +118,7 @@ def test_a_death_between_two_ticks_costs_a_sentence_and_the_rest_is_closed(tmp_p
         other = simulation.fmus["b"]._residence.process
         assert other is not None
     assert other._process.returncode == 0
-    assert simulation.died == ""
+    assert simulation.closing_error == ""
 
 
 def test_a_refusal_over_there_is_a_refusal_here(tmp_path: Path) -> None:

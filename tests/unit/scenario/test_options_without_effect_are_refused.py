@@ -60,7 +60,7 @@ def test_the_loop_is_paced_as_the_scenario_says(key, monkeypatch) -> None:
         paces.append({"cpu": execute.cpu, "on_miss": execute.pacer.policy})
         raise InputError("far enough")
 
-    import_module("cosim.cli.support.child")  # or it would keep what stands here for a moment
+    import_module("cosim.cli.support.run.child")  # or it would keep what stands here for a moment
     monkeypatch.setattr("cosim.run.run_scenario", run_scenario)
     for value in PACES[key]:
         over = ("--set", f"realtime.{key}={value}", "--realtime")

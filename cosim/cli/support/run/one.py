@@ -111,7 +111,7 @@ def run_one(
         InputError, RunError: as ``cosim.run.run_scenario``.
     """
     from cosim.cli.support.check_devices import DeviceJudge
-    from cosim.cli.support.child import run_in_child
+    from cosim.cli.support.run.child import run_in_child
     from cosim.run import run_scenario
 
     paced = _devices(scenario, options, say)

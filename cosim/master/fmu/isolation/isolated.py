@@ -97,6 +97,11 @@ class Isolated:
         """What the FMU says; it outlives the process."""
         return self._exchange.log
 
+    @property
+    def is_gone(self) -> bool:
+        """Whether the process was found to have ended."""
+        return bool(self._exchange.side.is_gone)
+
     def manner(self) -> str:
         """How the process ended, which it has."""
         try:
@@ -207,8 +212,8 @@ class Isolated:
         """What the library lacks to save and to load a state."""
         return self._ask("missing_state_functions")
 
-    def asks_to_end(self) -> bool:
-        """Whether a discarded step was discarded because the model has come to its end."""
+    def asks_to_end(self) -> tuple[int, bool]:
+        """The status, and whether a step was discarded because the model has come to its end."""
         return self._ask("asks_to_end")
 
     def do_step_address(self) -> int:
@@ -248,8 +253,9 @@ class Isolated:
             is_well, content = self._talk_about((method, arguments))
         except (EOFError, OSError):
             self._exchange.side.is_gone = 1
-            self._calling(self._exchange.noted)
-            raise ProcessEnded(self.manner(), self._exchange.noted) from None
+            call = self._exchange.noted or "the start of its process"
+            self._calling(call)
+            raise ProcessEnded(self.manner(), call) from None
         if is_well:
             return content
         raise content

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import NoReturn
 
 from cosim.base.errors import InputError, RunError
-from cosim.master.fmu.binding import FATAL, OK, WARNING
-from cosim.master.fmu.isolation.isolated import GONE
+from cosim.master.fmu.binding import DISCARD, FATAL, OK, WARNING
 from cosim.master.fmu.loaded.residence import Residence
 from cosim.master.fmu.log import STATUS_NAMES, Said
+
+AFTER_FATAL = "after a fatal status nothing more can be run with it"
 
 
 class Conduct:
@@ -17,14 +19,21 @@ class Conduct:
     def __init__(self, component: str, residence: Residence) -> None:
         self.is_lost = False
         """Whether a fatal status came back: nothing may be called any more, not even to free it."""
+        self.has_failed = False
+        """Whether an error came back: it may only be freed."""
         self._component = component
         self._residence = residence
         self._changed: Counter[str] = Counter()
         self._lapses: Counter[str] = Counter()
 
     def judge(self, status: int) -> None:
-        """Take note of what a call returned that was not well."""
-        self.is_lost = self.is_lost or status in {FATAL, GONE}
+        """Take note of what a call returned."""
+        self.has_failed = self.has_failed or status not in {OK, WARNING, DISCARD}
+        self.is_lost = self.is_lost or status == FATAL or self._residence.is_gone
+
+    def forget(self) -> None:
+        """Judge anew: there is another instance."""
+        self.is_lost = self.has_failed = False
 
     def check_start(self, what: str, status: int) -> None:
         """A step of the start-up: what an FMU refuses before it has run is what it was given.
@@ -36,20 +45,37 @@ class Conduct:
         if status in {OK, WARNING}:
             return
         self.judge(status)
-        word = _word(status)
-        kind = RunError if word == "fatal" else InputError
-        raise kind(f"{self._component}: the FMU refused to {what} (status {word}){self.reasons()}")
+        kind = RunError if status == FATAL else InputError
+        raise kind(
+            f"{self._component}: the FMU refused to {what} (status {status_word(status)})"
+            f"{self.reasons()}"
+        )
 
-    def check_state(self, what: str, status: int) -> None:
-        """A call about its state.
+    def refuse_value(self, value: str, status: int) -> NoReturn:
+        """A value that it was given was not well, which ``value`` tells.
+
+        Raises:
+            InputError: it refuses the value.
+            RunError: it failed for good.
+        """
+        self.judge(status)
+        kind = RunError if status == FATAL else InputError
+        word = " (status fatal)" if status == FATAL else ""
+        raise kind(f"{self._component}: the FMU refuses {value}{word}{self.reasons()}")
+
+    def check_state(self, what: str, status: int, when: str) -> None:
+        """A call about its state; ``when`` is empty, or begins with a blank.
 
         Raises:
             RunError: it was not well.
         """
-        if status not in {OK, WARNING}:
-            raise RunError(
-                f"{self._component}: the FMU cannot {what} (status {_word(status)}){self.reasons()}"
-            )
+        if status in {OK, WARNING}:
+            return
+        self.judge(status)
+        raise RunError(
+            f"{self._component}: the FMU cannot {what}{when} (status {status_word(status)})"
+            f"{self.reasons()}"
+        )
 
     def reasons(self) -> str:
         """What it gave as a reason, as the end of a sentence; empty where there is nothing."""
@@ -80,5 +106,6 @@ class Conduct:
         self._lapses[what] += 1
 
 
-def _word(status: int) -> str:
+def status_word(status: int) -> str:
+    """A status as a word; a number that the standard does not have as itself."""
     return STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else str(status)

@@ -58,6 +58,11 @@ class Residence:
             raise RunError(f"{self._component}: the FMU is not loaded")
         return self.binding
 
+    @property
+    def is_gone(self) -> bool:
+        """Whether the process that it has for itself was found to have ended."""
+        return self.process is not None and self.process.is_gone
+
     def load(self) -> Binding:
         """Load the library.
 

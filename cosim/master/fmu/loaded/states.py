@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from typing import Any
 
 from cosim.base.errors import RunError
 from cosim.master.fmu.binding import Binding
 from cosim.master.fmu.description import FmuDescription
-from cosim.master.fmu.loaded.conduct import Conduct
+from cosim.master.fmu.loaded.conduct import AFTER_FATAL, Conduct
 from cosim.master.fmu.loaded.residence import Residence
 
 
 class States:
-    """Those of one instance, where ``saves_state`` of its description says that there are any."""
+    """Those of one instance, where ``saves_state`` of its description says that there are any.
+
+    ``when`` is what an error says of the time: empty, or `` at tick 3 (3 s)``.
+    """
 
     def __init__(
         self,
@@ -27,52 +32,64 @@ class States:
         self._conduct = conduct
         self._kept: Any = None
 
-    def save(self) -> bytes:
+    def save(self, when: str = "") -> bytes:
         """The state as bytes.
 
         Raises:
             RunError: the FMU cannot give it.
         """
-        status, content = self._bound().save_state()
-        self._conduct.check_state("save its state", status)
+        with self._calls() as bound:
+            status, content = bound.save_state()
+        self._conduct.check_state("save its state", status, when)
         return content
 
-    def load(self, content: bytes) -> None:
+    def load(self, content: bytes, when: str = "") -> None:
         """Go on from what ``save`` returned; initialisation is over.
 
         Raises:
             RunError: the FMU refuses it; what state it has then is not known.
         """
-        self._conduct.check_state("restore its state", self._bound().load_state(content))
+        with self._calls() as bound:
+            status = bound.load_state(content)
+        self._conduct.check_state("restore its state", status, when)
 
-    def keep(self) -> None:
+    def keep(self, when: str = "") -> None:
         """Remember the state, for ``go_back``.
 
         Raises:
             RunError: the FMU cannot give it.
         """
         self.drop()
-        status, state = self._bound().keep_state()
-        self._conduct.check_state("save its state", status)
+        with self._calls() as bound:
+            status, state = bound.keep_state()
+        self._conduct.check_state("save its state", status, when)
         self._kept = state
 
-    def go_back(self) -> None:
+    def go_back(self, when: str = "") -> None:
         """Be where the state was kept.
 
         Raises:
             RunError: the FMU refuses it; what state it has then is not known.
         """
         assert self._kept is not None
-        self._conduct.check_state("restore its state", self._residence.bound.put_state(self._kept))
+        with self._calls() as bound:
+            status = bound.put_state(self._kept)
+        self._conduct.check_state("restore its state", status, when)
         self._residence.log.forget()
 
     def drop(self) -> None:
         """Give back what was kept, if anything was and the FMU may be called at all."""
         state, self._kept = self._kept, None
         if state is not None and not self._conduct.is_lost:
-            self._residence.bound.drop_state(state)  # whatever it returns: it is not needed again
+            with self._calls() as bound:
+                # It is not needed again, so that nothing but what may be called hangs on this.
+                self._conduct.judge(bound.drop_state(state))
 
-    def _bound(self) -> Binding:
+    @contextmanager
+    def _calls(self) -> Generator[Binding]:
+        """What is called by name; afterwards nothing of it is going on."""
+        if self._conduct.is_lost:
+            raise RunError(f"{self._component}: {AFTER_FATAL}.")
         bound = self._residence.bound
         missing = bound.missing_state_functions()
         if missing:
@@ -80,4 +97,5 @@ class States:
                 f"{self._component}: the FMU {self._file} says that its state can "
                 f"be saved, but its library has no function {' and none '.join(missing)}"
             )
-        return bound
+        yield bound
+        self._residence.calling("")

@@ -67,6 +67,7 @@ class GivenValues:
 
         Raises:
             InputError: the FMU refuses one.
+            RunError: it failed for good.
         """
         self._set_each({n: e for n, e in values.items() if n not in self._structural})
 
@@ -80,9 +81,7 @@ class GivenValues:
                     f"{self._component}: {name} = {_show(elements)} does not fit its type, {kind}"
                 ) from error
             if status not in {OK, WARNING}:
-                self._conduct.judge(status)
-                refused = f"{name} = {_show(elements)}{self._conduct.reasons()}"
-                raise InputError(f"{self._component}: the FMU refuses {refused}")
+                self._conduct.refuse_value(f"{name} = {_show(elements)}", status)
 
     def assignments(self, values: Mapping[str, list[Any]]) -> list[tuple[int, Assignment]]:
         """The functions and their arguments that set all values, one for each type.

@@ -22,7 +22,7 @@ class RunningComponents:
         """By name; those that were closed stay until ``forget``."""
         self._program = program
         self._whereabouts = whereabouts
-        self._started: list[Component] = []
+        self._started: list[tuple[str, Component]] = []
 
     def start(self, assembly: Assembly, told: Told, *, rehearsal: bool) -> None:
         """Initialise each one, or with ``rehearsal`` do what needs nothing outside the process.
@@ -36,7 +36,7 @@ class RunningComponents:
                 continue
             component = participant.supply.take()
             self.all[name] = component
-            self._started.append(component)
+            self._started.append((name, component))
             views = {
                 causality: {
                     variable.name: self._program.view(name, variable.name)
@@ -71,8 +71,10 @@ class RunningComponents:
 
     def close(self) -> None:
         """Close those that were started, the last one first; may be called more than once."""
-        for component in reversed(self._started):
-            with suppress(Exception):  # every component must be reached
+        for name, component in reversed(self._started):
+            # Every component must be reached.
+            with self._whereabouts.aside(), suppress(Exception):
+                self._whereabouts.note(name, "its closing")
                 component.close()
         self._started.clear()
 

@@ -6,14 +6,16 @@ end of the process that one has for itself becomes a sentence.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 
 from cosim.base.errors import RunError
 from cosim.master.assembly.assemble import Assembly
+from cosim.master.fmu.binding import OK, WARNING
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.isolation.isolated import GONE, ProcessEnded
+from cosim.master.fmu.loaded.conduct import AFTER_FATAL, status_word
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.fmu.surroundings import Surroundings
@@ -33,8 +35,8 @@ class RunningFmus:
         self.assembly = assembly
         self.all: dict[str, Fmu] = {}
         """By component; empty before the first run."""
-        self.died = ""
-        """The sentence of one whose process ended when it was closed."""
+        self.closing_error = ""
+        """The sentence of one that failed, or whose process ended, when it was closed."""
         self._whereabouts = whereabouts
         self._failed: set[str] = set()
         self._restart: Restart | None = None
@@ -49,7 +51,7 @@ class RunningFmus:
         """
         lost = next((name for name, fmu in self.all.items() if fmu.is_lost), None)
         if lost is not None:
-            raise RunError(f"{lost}: after a fatal status nothing more can be run with it.")
+            raise RunError(f"{lost}: {AFTER_FATAL}.")
 
     def prepare(self, end: int, told: Told) -> bool:
         """Have all FMUs, with their values, for a run to tick ``end``.
@@ -58,6 +60,7 @@ class RunningFmus:
 
         Raises:
             InputError: one cannot be loaded, or refuses its values.
+            RunError: one failed for good, or when it was freed after the run before.
         """
         times = self._times(end)
         self._is_restarted = self._begin_again(times)
@@ -107,15 +110,8 @@ class RunningFmus:
     def close(self) -> None:
         """Free every FMU; may be called more than once."""
         self._restart = None
-        apart = {fmu.library for fmu in self.all.values() if fmu.is_isolated}
-        lost = {fmu.library for fmu in self.all.values() if fmu.is_lost} - apart
-        for name, fmu in self.all.items():
-            try:
-                with self.guarding(fmu):
-                    fmu.close(failed=name in self._failed or fmu.library in lost)
-            except RunError as error:
-                self.died = self.died or str(error)
-        self._whereabouts.clear()
+        with self._whereabouts.aside():
+            self._let_go(list(self.all))
 
     def guarding(self, *fmus: Fmu) -> AbstractContextManager[None]:
         """Put back what foreign FMUs, one of these, change of what belongs to the process.
@@ -167,11 +163,35 @@ class RunningFmus:
         self._restart = None
         return False
 
-    def _create(self, told: Told) -> None:
-        for name, fmu in self.all.items():
-            if not fmu.is_trusted:  # all that share a library, before it is loaded anew
+    def _let_go(self, names: Iterable[str]) -> None:
+        """Free these; ``closing_error`` has the first sentence about one that is not well."""
+        here = [fmu for fmu in self.all.values() if not fmu.is_isolated]
+        lost = {fmu.library for fmu in here if fmu.is_lost}
+        for name in names:
+            fmu = self.all[name]
+            is_here = not fmu.is_isolated
+            failed = name in self._failed or (is_here and fmu.library in lost)
+            try:
                 with self.guarding(fmu):
-                    fmu.close(failed=name in self._failed)
+                    status = fmu.close(failed=failed)
+            except RunError as error:
+                self.closing_error = self.closing_error or str(error)
+                continue
+            if status not in {OK, WARNING}:
+                when = self._whereabouts.when(self.assembly.scenario)
+                self.closing_error = self.closing_error or (
+                    f"{name} returned status '{status_word(status)}' from "
+                    f"fmi{fmu.version}Terminate {when}{fmu.reason()}"
+                )
+            if is_here and fmu.is_lost:
+                lost.add(fmu.library)
+
+    def _create(self, told: Told) -> None:
+        # All that share a library, before it is loaded anew.
+        self._let_go([name for name, fmu in self.all.items() if not fmu.is_trusted])
+        if self.closing_error:
+            sentence, self.closing_error = self.closing_error, ""
+            raise RunError(sentence)
         scenario = self.assembly.scenario
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:

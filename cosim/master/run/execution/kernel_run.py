@@ -81,9 +81,11 @@ class KernelRun:
 
     def run_to(self, tick: int, sink: Sink | None) -> None:
         """Run up to a tick, as ``run_chunk`` does."""
+        self.fmus.refuse_lost()
         kernel = self.program.kernel
-        while kernel.tick < tick:
-            self.run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
+        with self.fmus.guarding(*self.fmus.all.values()):
+            while kernel.tick < tick:
+                self.run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 
     def raise_unless_done(self, stop: Stop) -> None:
         """Raise the error that the kernel's coming back stands for, if it does."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 
 from cosim.base.component import Component
 from cosim.base.errors import RunError
@@ -39,6 +40,10 @@ class LifeCycle:
         """Everything that a state between two ticks consists of."""
         return self.assembly, self._program, self.fmus.all, self.components.all
 
+    def guarding(self) -> AbstractContextManager[None]:
+        """Protect the process while FMUs are called; see ``RunningFmus.guarding``."""
+        return self.fmus.guarding(*self.fmus.all.values())
+
     def start(self, end: int, told: Told, *, recorded: bool, rehearsal: bool) -> None:
         """Have everything at tick 0 of a run that ends at tick ``end``.
 
@@ -54,7 +59,7 @@ class LifeCycle:
         self.fmus.enter_initialisation(end, told)
         told(*ALL_TOGETHER)
         self._whereabouts.clear()
-        with self.fmus.guarding(*self.fmus.all.values()):
+        with self.guarding():
             self.kernel_run.initialise()
         self.fmus.leave_initialisation(self.kernel_run.begin_events, told)
         self.is_running = True

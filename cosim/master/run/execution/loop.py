@@ -100,7 +100,7 @@ class ChunkedLoop:
         try:
             with run.fmus.guarding(*foreign):
                 stop = drive(run.program, run.components, run.groups, sink, end=end, wish=wish)
-            run.raise_unless_done(stop)
+                run.raise_unless_done(stop)
         finally:
             self.wall_time = time.perf_counter() - began
 

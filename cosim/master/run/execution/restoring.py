@@ -23,7 +23,8 @@ def put_back(run: KernelRun, snapshot: Snapshot, *, end: int) -> None:
             "be repeated from tick 0: restore the snapshot before the run starts."
         )
     _refuse_beyond(snapshot, end)
-    checkpoint.put_back(snapshot, run.program, run.fmus.all, run.components)
+    with run.fmus.guarding(*run.fmus.all.values()):
+        checkpoint.put_back(snapshot, run.program, run.fmus.all, run.components)
 
 
 def go_on(run: KernelRun, snapshot: Snapshot, *, end: int, recorded: bool) -> None:

@@ -39,6 +39,8 @@ typedef struct {
     double interval[VALUES]; /* s, of clocks, by value reference */
     int qualifier[VALUES];
     double shift[VALUES];
+    bool logging; /* as it was instantiated with, or told later */
+    char categories[TEXT]; /* as it was told, with a blank behind each */
     bool again, has_next; /* what an update says */
     double next;
 } Foreign;
@@ -92,6 +94,7 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, cons
 {
     Foreign *m = make();
     m->log2 = callbacks->logger;
+    m->logging = logging != 0;
     m->environment = callbacks->environment;
     return HOOK(m, "Instantiate") ? 0 : m;
 }
@@ -103,6 +106,7 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
 {
     Foreign *m = make();
     m->log3 = (void (*)(void *, int, const char *, const char *))log;
+    m->logging = logging;
     m->environment = environment;
     m->resources = resources;
     m->event_mode = events;
@@ -122,16 +126,29 @@ CALL(EnterConfigurationMode)
 CALL(ExitConfigurationMode)
 #endif
 
+static int choose(Foreign *m, bool on, size_t count, const char **names)
+{
+    size_t used = 0;
+    m->logging = on;
+    for (size_t i = 0; i < count; i++) {
+        for (const char *c = names[i]; *c && used < TEXT - 2; c++)
+            m->categories[used++] = *c;
+        if (used < TEXT - 1)
+            m->categories[used++] = ' ';
+    }
+    return 0;
+}
+
 EXPORT int fmi2SetDebugLogging(Foreign *instance, int on, size_t count, const char **names)
 {
     ENTER("SetDebugLogging");
-    return 0;
+    return choose(instance, on != 0, count, names);
 }
 
 EXPORT int fmi3SetDebugLogging(Foreign *instance, bool on, size_t count, const char **names)
 {
     ENTER("SetDebugLogging");
-    return 0;
+    return choose(instance, on, count, names);
 }
 
 EXPORT int fmi2SetupExperiment(Foreign *instance, int d, double t, double from, int s, double to)

@@ -12,30 +12,22 @@ import pickle
 import select
 import signal
 import sys
-import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from cosim.base.errors import CohapticError, RunError
+from cosim.base.errors import CohapticError
+from cosim.cli.support.run.left_behind import conclude_run, give_up
+from cosim.cli.support.run.signals import HEARD, Post
 from cosim.master.run.execution.loop import Progress
-from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.prepare import Judge
-from cosim.record.manifest import conclude, write_json, write_manifest
-from cosim.record.reader import RUN_FILE, open_run
-from cosim.record.rewriting.compact import compact
-from cosim.report.expectation import parse_expectations
-from cosim.report.summary import SUMMARY_FILE, Summary, summarise
-from cosim.run import LOG_FILE, Execute, Finished, run_scenario, write_log
+from cosim.run import Execute, Finished, run_scenario
 from cosim.scenario import Scenario
 
-_HEARD = {signal.SIGINT, signal.SIGTERM}
 _POLL_SECONDS = 0.05
-_HEARING_SECONDS = 0.15
-"""A run hears an interrupt within a chunk of ticks, some 50 ms."""
 _PR_SET_PDEATHSIG = 1
 
 
@@ -74,8 +66,8 @@ def run_in_child(
     ear, mouth = os.pipe()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
-    # Blocked, so that the parent can ask where a signal came from (see ``_Post``).
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _HEARD)
+    # Blocked, so that the parent can ask where a signal came from (see ``Post``).
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, HEARD)
     try:
         parent = os.getpid()
         child = os.fork()
@@ -99,7 +91,7 @@ def run_in_child(
             )
         os.close(mouth)
         told = _Told(ear)
-        post = _Post(child, whereabouts)
+        post = Post(child, whereabouts)
         try:
             status = _listen(child, told, progress, post)
         except BaseException:
@@ -111,7 +103,9 @@ def run_in_child(
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     if signal.SIGTERM in post.passed_on and status == -signal.SIGTERM:
         os.kill(os.getpid(), signal.SIGTERM)  # the end that was asked of this process
-    return _judge(told, status, whereabouts, scenario)
+    if post.has_broken_off:
+        return give_up(told.content, whereabouts, scenario)
+    return conclude_run(told.content, status, whereabouts, scenario)
 
 
 class _Teller:
@@ -191,7 +185,7 @@ class _Told:
         return bool(part)
 
 
-def _listen(child: int, told: _Told, progress: Progress | None, post: _Post) -> int:
+def _listen(child: int, told: _Told, progress: Progress | None, post: Post) -> int:
     """Until the child has ended: its status, negative after a signal.
 
     The end is the child's, not the pipe's: processes that an FMU has started may hold that.
@@ -208,87 +202,3 @@ def _listen(child: int, told: _Told, progress: Progress | None, post: _Post) -> 
         if ended:
             return os.waitstatus_to_exitcode(raw)
         post.pass_on(0 if is_open else _POLL_SECONDS)
-
-
-class _Post:
-    """Hands on signals that were sent to the parent alone.
-
-    Ctrl-C reaches every process of the terminal's group by itself, from the kernel, and some send
-    to a group: heard twice, it would be taken for the second one, which breaks off at once.
-    """
-
-    def __init__(self, child: int, whereabouts: Whereabouts) -> None:
-        self.passed_on: set[int] = set()
-        self._child, self._whereabouts, self._heard = child, whereabouts, 0
-
-    def pass_on(self, seconds: float) -> None:
-        """Wait so long for a signal."""
-        found = signal.sigtimedwait(_HEARD, seconds)
-        if found is None:
-            return
-        if found.si_signo == signal.SIGINT:
-            time.sleep(_HEARING_SECONDS)
-        before, self._heard = self._heard, self._whereabouts.heard
-        if found.si_code > 0 or (found.si_signo == signal.SIGINT and self._heard != before):
-            return
-        self.passed_on.add(found.si_signo)
-        with suppress(ProcessLookupError):
-            os.kill(self._child, found.si_signo)
-        if found.si_signo == signal.SIGINT:
-            self._heard = (self._heard + 1) % 256
-
-
-def _keep_logs(folder: Path, whereabouts: Whereabouts, scenario: Scenario) -> None:
-    """What FMUs had logged when their process died, where the run has not written it itself."""
-    said = whereabouts.said(scenario)
-    if said and not (folder / LOG_FILE).exists():
-        write_log(folder / LOG_FILE, said)
-
-
-def _judge(told: _Told, status: int, whereabouts: Whereabouts, scenario: Scenario) -> Finished:
-    content = told.content
-    if "error" in content:
-        if "finished" in content:  # an isolated FMU whose process died when it was closed
-            sentence = f"{content['error']}; {COMPLETE}."
-            return _finish_for(content["begun"], scenario, sentence, whereabouts)
-        raise content["error"]
-    if "interrupted" in content:
-        raise KeyboardInterrupt
-    if "bug" in content:
-        raise RuntimeError(f"in the run's process:\n{content['bug']}")
-    if "over" in content and status == 0:
-        return content["finished"]
-    sentence = obituary(status, whereabouts, scenario, content.get("left"))
-    if "begun" not in content:
-        raise RunError(f"{sentence}; {NOTHING}.")
-    kept = COMPLETE if "finished" in content else KEPT
-    return _finish_for(content["begun"], scenario, f"{sentence}; {kept}.", whereabouts)
-
-
-def _finish_for(
-    folder: Path, scenario: Scenario, message: str, whereabouts: Whereabouts
-) -> Finished:
-    """Finish the record in ``folder`` of a run whose process has died, and say so in it.
-
-    What was flushed before is there; what had been finished stays, but the run has failed.
-    """
-    with suppress(OSError):
-        compact(folder / RUN_FILE)
-    with suppress(OSError):
-        _keep_logs(folder, whereabouts, scenario)
-    with open_run(folder) as run:
-        manifest = dict(run.manifest)
-        if manifest.get("exit") is None:
-            conclude(manifest, status=1, message=message, ticks=whereabouts.kernel.tick)
-        else:
-            manifest["exit"] = {**manifest["exit"], "status": 1, "message": message}
-        write_manifest(folder, manifest)
-        run.manifest = manifest
-        units = {
-            signal.column.name: signal.column.unit or ""
-            for group in run.groups.values()
-            for signal in group.signals.values()
-        }
-        content = dict(summarise(run, parse_expectations(scenario, units)).content)
-    write_json(folder / SUMMARY_FILE, content)
-    return Finished(folder, Summary(content), RunError(message))
