@@ -65,50 +65,43 @@ def unpack(path: Path, digest: str) -> Path:
     """
     from fmus.cache import cache_directory
 
-    folder = cache_directory() / "fmus" / digest
-    files = folder.with_name(f"{digest}.files")
-    if folder.is_dir():
-        if recall(files) == _state_of(folder):
+    home = cache_directory() / "unpacked" / digest
+    folder, note = home / "fmu", home / "files"
+    if home.is_dir():
+        if recall(note) == _state_of(folder):
             return folder
-        _remove(folder)
-    if path.is_dir():
-        _copy(path, folder)
-        keep(files, _state_of(folder))
-        return folder
+        _remove(home)
+    home.parent.mkdir(parents=True, exist_ok=True)
+    scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=home.parent))
+    try:
+        (_copy if path.is_dir() else _extract)(path, scratch / folder.name)
+        scratch.chmod(0o755)
+        # Both at once: others would take a folder without its note for one that was changed.
+        keep(scratch / note.name, _state_of(scratch / folder.name))
+        _move(scratch, home)
+    except (OSError, shutil.Error) as error:
+        reason = error.strerror or error
+        raise InputError(
+            f"the FMU {path} could not be unpacked into {home.parent}: {reason}"
+        ) from None
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+    return folder
+
+
+def _extract(path: Path, folder: Path) -> None:
     with _open(path) as archive:
         _check_entries(path, archive)
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=folder.parent))
         try:
             for entry in archive.infolist():
-                archive.extract(entry, scratch)
-            scratch.chmod(0o755)
-            _move(scratch, folder)
-            keep(files, _state_of(folder))
+                archive.extract(entry, folder)
         except _DAMAGE as error:
             raise InputError(f"the FMU {path} is a damaged zip archive: {error}") from None
-        except OSError as error:
-            raise InputError(
-                f"the FMU {path} could not be unpacked into {folder.parent}: {error.strerror}"
-            ) from None
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
-    return folder
 
 
 def _copy(given: Path, folder: Path) -> None:
     """An FMU that is unpacked already: a copy, since it may write where it lies."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=folder.parent))
-    try:
-        shutil.copytree(given, scratch / "fmu")
-        _move(scratch / "fmu", folder)
-    except (OSError, shutil.Error) as error:
-        raise InputError(
-            f"the FMU {given} cannot be copied into {folder.parent}: {error}"
-        ) from None
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+    shutil.copytree(given, folder)
 
 
 def _open(path: Path) -> zipfile.ZipFile:
@@ -147,7 +140,7 @@ def _state_of(folder: Path) -> dict[str, tuple[int, int]]:
         for name in names:
             file = f"{at}{os.sep}{name}"
             stat = os.lstat(file)
-            found[file] = (stat.st_size, stat.st_mtime_ns)
+            found[file.removeprefix(str(folder))] = (stat.st_size, stat.st_mtime_ns)
     return found
 
 
