@@ -5,8 +5,9 @@
     uv run python bench/ratios.py --compare 0.1.0 0.2.0    nothing is measured
 
 Each ratio is processor time over that of something bare, measured in turns, so that it says the
-same on a slow or a busy machine. Those of every release are in ``bench/ratios``. The exit status is
-1 where one is worse by more than the tolerance.
+same on a slow or a busy machine; or it is the most memory that a process had, over that of a bare
+one. Those of every release are in ``bench/ratios``. The exit status is 1 where one is worse by more
+than the tolerance.
 """
 
 from __future__ import annotations
@@ -79,6 +80,8 @@ def measure(rounds: int) -> dict[str, float]:
             judged, bare = make(stack)
             judged(), bare()
             found[name] = round(statistics.median(_round(judged, bare) for _ in range(rounds)), 3)
+    for name, (judged, bare) in MEMORY.items():
+        found[name] = round(_memory(judged) / _memory(bare), 3)
     return found
 
 
@@ -98,6 +101,14 @@ def _processor_time() -> float:
 
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def _memory(program: str) -> int:
+    """The most memory (KiB) that a process with this program had."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"{program}\n{_MOST}"], check=True, capture_output=True, text=True
+    )
+    return int(done.stdout.splitlines()[-1])
 
 
 def _warm_runs(scenario: str, count: int) -> Callable[[ExitStack], Pair]:
@@ -204,6 +215,34 @@ RATIOS: Mapping[str, Callable[[ExitStack], Pair]] = {
     "one signal by name / by place": _one_signal,
     "cohaptic check / imports": _command,
 }
+
+_MOST = """
+import pathlib
+print(*(line.split()[1] for line in pathlib.Path("/proc/self/status").read_text().splitlines()
+        if line.startswith("VmHWM")))
+"""
+"""Not ``ru_maxrss``, which begins with what the process had that started this one."""
+_RECORDED = """
+import tempfile, cohaptic
+with tempfile.TemporaryDirectory() as folder:
+    sets = ["duration={} s", "expect=~"]
+    cohaptic.run("two_users_box", f"{{folder}}/run", sets=sets, figure=False)
+"""
+_RING = """
+import tempfile, pathlib
+from cosim.master.run.simulation import assemble
+from cosim.scenario import load
+from cosim.testing.ring import ring_scenario
+with tempfile.TemporaryDirectory() as folder:
+    file = pathlib.Path(folder) / "ring.yaml"
+    file.write_text(ring_scenario(512, record="[]"))
+    assemble(load(file)).close()
+"""
+MEMORY: Mapping[str, tuple[str, str]] = {
+    "memory: two_users_box recorded, 60 s / 5 s": (_RECORDED.format(60), _RECORDED.format(5)),
+    "memory: a ring of 512 assembled / imports": (_RING, "import numpy, h5py"),
+}
+"""What is judged, and the bare program that it is measured by."""
 
 
 def versions() -> list[str]:

@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
-from cosim.analysis.grasp import WORKSTATION, parameter
+from cosim.analysis.grasp import WORKSTATION
 from cosim.analysis.left_out import SERVER
 from cosim.analysis.loop import read_loop
+from cosim.analysis.parameter import parameter
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.parameters import Parameters

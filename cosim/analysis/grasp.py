@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
-from importlib import import_module
 from itertools import permutations
 from typing import Literal
 
 import numpy as np
 
+from cosim.analysis.parameter import parameter
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.mass_spring_damper import Distributed
@@ -147,24 +146,3 @@ def _timing(
         ratio=Fraction(periods.pop(), control),
         delay=PathDelay(forward=forward, backward=backward),
     )
-
-
-def parameter(component: ScenarioComponent, name: str) -> float:
-    """A parameter of one of our models: the scenario's value, or the model's own start value."""
-    value = component.parameters.get(name)
-    if value is None:
-        value = _starts(component.source)[name]
-    assert isinstance(value, int | float), f"{component.name}.{name} is {value!r}"
-    return float(value)
-
-
-@cache
-def _starts(model: str) -> dict[str, float]:
-    from fmus.layout import SlotLayout
-
-    found = import_module(f"fmus.{model}.variables").MODEL
-    return {
-        element.name: float(element.start)
-        for element in SlotLayout(found).elements
-        if isinstance(element.start, int | float)
-    }

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cosim.analysis.grasp import WORKSTATION, parameter
+from cosim.analysis.grasp import WORKSTATION
+from cosim.analysis.parameter import is_number, parameter
 from cosim.analysis.wires import INSTEAD, refuse_other_steps, refuse_scaled
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
@@ -55,8 +56,8 @@ def refuse_what_chapters_leave_out(scenario: Scenario) -> None:
 def _refuse_options(scenario: Scenario, part: ScenarioComponent) -> None:
     walls = [f"wall_{number}.enabled" for number in range(1, 5)]
     for name, what in (*_LEFT_OUT.items(), *((wall, "a wall") for wall in walls)):
-        value = part.parameters.get(name)
-        if value is None or value in _NOTHING:
+        value = part.parameters.get(name, 0)
+        if value in _NOTHING or (is_number(value) and parameter(part, name) == 0.0):
             continue
         raise InputError(
             f"{part.name} has {what}, which the loop of chapters 3 to 6 leaves out: ask for "

@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from cosim.analysis.grasp import WORKSTATION, find_grasp
 from cosim.analysis.left_out import CLIENT, SERVER, refuse_what_chapters_leave_out
+from cosim.analysis.parameter import parameter
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
@@ -49,7 +50,7 @@ def _read_workstations(scenario: Scenario) -> ScenarioLoop:
         part = grasp.workstations[m - 1]
         values[f"m_h{m}"], values[f"b_h{m}"] = float(model.hand_mass[m - 1]), 0.0
         values[f"m_o{m}"] = float(model.object_mass[m - 1])
-        values[f"b_c{m}"] = _given(part, "compensation.x")
+        values[f"b_c{m}"] = parameter(part, "compensation.x")
         values[f"k_{m}{m}"] = float(model.local_stiffness[m - 1])
         values[f"b_{m}{m}"] = float(model.local_damping[m - 1])
         for r in users:
@@ -72,14 +73,14 @@ def _read_server(scenario: Scenario) -> ScenarioLoop:
             scenario.locate(("components",)),
         )
     server = servers[0]
-    values: dict[str, float] = {"k_w": 0.0, "b_w": 0.0, "m_o": _given(server, "mass")}
-    values["b_c"] = _given(server, "compensation.x")
+    values: dict[str, float] = {"k_w": 0.0, "b_w": 0.0, "m_o": parameter(server, "mass")}
+    values["b_c"] = parameter(server, "compensation.x")
     for m in range(1, len(clients) + 2):
         side = "local" if m == 1 else "remote"
         # A client does not know its hand's mass; the server's hands stand for all.
-        values[f"m_h{m}"], values[f"b_h{m}"] = _given(server, "hand_mass"), 0.0
-        values[f"k_{m}"] = _given(server, f"{side}_normal_stiffness")
-        values[f"b_{m}"] = _given(server, f"{side}_normal_damping")
+        values[f"m_h{m}"], values[f"b_h{m}"] = parameter(server, "hand_mass"), 0.0
+        values[f"k_{m}"] = parameter(server, f"{side}_normal_stiffness")
+        values[f"b_{m}"] = parameter(server, f"{side}_normal_damping")
     timing = _server_timing(scenario, server, clients)
     return ScenarioLoop("centralized", len(clients) + 1, values, timing, _notes(scenario))
 
@@ -141,17 +142,3 @@ def _server_timing(
         ratio=Fraction(periods.pop(), server.period),
         delay=PathDelay(forward=delays[True].pop(), backward=delays[False].pop()),
     )
-
-
-def _given(part: ScenarioComponent, name: str) -> float:
-    """A parameter as the scenario has it, or the model's own start value."""
-    value = part.parameters.get(name)
-    if isinstance(value, int | float):
-        return float(value)
-    from importlib import import_module
-
-    from fmus.layout import SlotLayout
-
-    model = import_module(f"fmus.{part.source}.variables").MODEL
-    start = next((e.start for e in SlotLayout(model).elements if e.name == name), 0.0)
-    return float(start) if isinstance(start, int | float) else 0.0

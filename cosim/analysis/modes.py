@@ -20,7 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cosim.analysis.grasp import Axis, find_grasp, parameter
+from cosim.analysis.grasp import Axis, find_grasp
+from cosim.analysis.parameter import parameter
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.mass_spring_damper import Centralized, Distributed
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from cosim.analysis.parameter import parameter
 from cosim.analysis.ties import (
     Tie,
     refuse_double_ties,
@@ -68,18 +69,18 @@ def read_single_axis(scenario: Scenario) -> ScenarioLoop:
     parts.refuse_other_joints(ties, numbers, distributed=distributed)
     values = parts.wall()
     for hand in hands:
-        values[f"m_h{numbers[hand.name]}"] = parts.number(hand, "mass")
+        values[f"m_h{numbers[hand.name]}"] = parameter(hand, "mass")
         values[f"b_h{numbers[hand.name]}"] = 0.0
     for body in objects:
         suffix = str(numbers[body.name]) if distributed else ""
-        values[f"m_o{suffix}"] = parts.number(body, "mass")
-        values[f"b_c{suffix}"] = parts.number(body, "compensation")
+        values[f"m_o{suffix}"] = parameter(body, "mass")
+        values[f"b_c{suffix}"] = parameter(body, "compensation")
     for name in _couplers(distributed=distributed, users=len(hands)):
         values[f"k_{name}"] = values[f"b_{name}"] = 0.0
     for tie in ties:
         name = _name_of(tie, numbers, {body.name for body in objects}, distributed=distributed)
-        values[f"k_{name}"] = parts.number(tie.coupler, "stiffness")
-        values[f"b_{name}"] = parts.number(tie.coupler, "damping")
+        values[f"k_{name}"] = parameter(tie.coupler, "stiffness")
+        values[f"b_{name}"] = parameter(tie.coupler, "damping")
     architecture: Architecture = "distributed" if distributed else "centralized"
     if len(hands) == 1 and not distributed:
         architecture = "single"
@@ -228,11 +229,6 @@ class _Parts:
         link = self.feeding.get((coupler.name, path))
         return link.source.component if link is not None else ""
 
-    def number(self, part: ScenarioComponent, name: str) -> float:
-        """A parameter as the scenario has it, or the model's own start value."""
-        value = part.parameters.get(name)
-        return float(value) if isinstance(value, int | float) else _start(part.source, name)
-
     def wall(self) -> dict[str, float]:
         """The wall that every copy of the object is in contact with.
 
@@ -240,7 +236,7 @@ class _Parts:
             InputError: the copies have different walls.
         """
         walls = {
-            (self.number(body, "wall_stiffness"), self.number(body, "wall_damping"))
+            (parameter(body, "wall_stiffness"), parameter(body, "wall_damping"))
             for body in self.objects
         }
         if len(walls) > 1:
@@ -255,7 +251,7 @@ class _Parts:
         """Rates and delays; what the theory leaves out goes into the notes."""
         loop = (*self.hands, *self.objects, *self.couplers)
         periods = {part.period for part in loop}
-        late = {int(self.number(part, "computation_delay_ticks")) for part in self.couplers}
+        late = {int(parameter(part, "computation_delay_ticks")) for part in self.couplers}
         if len(periods) > 1 or len(late) > 1:
             raise InputError(
                 "The theory takes one control rate and one computation delay for all hands, "
@@ -330,13 +326,3 @@ class _Parts:
 def _note(notes: list[str], sentence: str) -> None:
     if sentence not in notes:
         notes.append(sentence)
-
-
-def _start(model: str, name: str) -> float:
-    from importlib import import_module
-
-    for variable in import_module(f"fmus.{model}.variables").MODEL.variables:
-        if variable.name == name:
-            return float(variable.start)
-    message = f"the model {model} has no parameter {name}"
-    raise KeyError(message)

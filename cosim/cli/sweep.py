@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 MOST = 1_000_000
+_PLAIN = ("seeds", "sample", "points", "sample_seed", "start", "check_every")
+"""Options that take the place of what a plan says."""
 COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
 
 
@@ -78,26 +80,14 @@ COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
 @click.option("--figure/--no-figure", default=True, help="Draw sweep.png.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as one JSON object.")
 def command(
-    what: str,
     *,
-    overlays: tuple[str, ...],
-    sets: tuple[str, ...],
-    vary: tuple[str, ...],
-    seeds: int | None,
-    sample: str | None,
-    points: int | None,
-    sample_seed: int | None,
-    boundary: bool,
-    start: str | None,
-    expect: tuple[str, ...],
-    measure: tuple[str, ...],
     out: Path | None,
     workers: int | None,
     scheduler: str | None,
     timeout: Fraction | None,
-    check_every: int | None,
     figure: bool,
     as_json: bool,
+    **asked: Any,
 ) -> None:
     """Run SCENARIO many times, or what a PLAN asks for, and tell what differs.
 
@@ -110,23 +100,7 @@ def command(
     from cosim.sweep.results.table import best_format, write_table
     from cosim.sweep.sweep import run_sweep
 
-    request = _request(what)
-    request = _changed(
-        request,
-        overlays=[*request.overlays, *overlays],
-        sets=[*request.sets, *sets],
-        vary={**request.vary, **_varied(vary)},
-        seeds=seeds,
-        sample=sample,
-        points=points,
-        sample_seed=sample_seed,
-        boundary=boundary or None,
-        start=start,
-        expect=_expected(request.expect, expect),
-        measure=_measured(request.measure, measure),
-        check_every=check_every,
-    )
-    plan = plan_of(request, FORMS)
+    plan = plan_of(request_of(asked), FORMS)
     pool = None
     if scheduler is not None:
         if workers is not None or timeout is not None:
@@ -154,6 +128,21 @@ def command(
     sys.exit(int(any(not result.is_over for result in outcome.results)))
 
 
+def request_of(asked: Mapping[str, Any]) -> Request:
+    """What the command's arguments ask for, by their names: those of a plan, changed by options."""
+    request = _request(asked["what"])
+    return _changed(
+        request,
+        overlays=[*request.overlays, *asked["overlays"]],
+        sets=[*request.sets, *asked["sets"]],
+        vary={**request.vary, **_varied(asked["vary"])},
+        boundary=asked["boundary"] or None,
+        expect=_expected(request.expect, asked["expect"]),
+        measure=_measured(request.measure, asked["measure"]),
+        **{name: asked[name] for name in _PLAIN},
+    )
+
+
 def _request(what: str) -> Request:
     from cosim.sweep.planning.plan import Request, is_plan, read_plan
 
@@ -174,6 +163,10 @@ def _varied(texts: tuple[str, ...]) -> dict[str, Any]:
         if not equals or not places.strip() or not values.strip():
             raise InputError(f"--vary {text}: write PLACE=VALUES, such as lan.loss=0..0.5/6.")
         several = [place.strip() for place in places.split(",")]
+        if several[0] in found:
+            raise InputError(
+                f"--vary {text}: {several[0]} is varied already; write all values in one."
+            )
         found[several[0]] = {"set": several, "values": values}
     return found
 
@@ -182,12 +175,16 @@ def _expected(known: Any, texts: tuple[str, ...]) -> dict[str, Any]:
     from cosim.base.document.yaml_reader import parse_yaml
 
     found: dict[str, Any] = dict(known)
+    given: set[tuple[str, str]] = set()
     for text in texts:
-        target, colon, predicate = text.rpartition(":")
-        name, equals, value = predicate.partition("=")
+        left, equals, value = text.partition("=")
+        target, colon, name = left.rpartition(":")
         if not colon or not equals:
             raise InputError(f"--expect {text}: write TARGET:PREDICATE=VALUE.")
         plain = parse_yaml(value, f"--expect {text}", has_lines=False).plain()
+        if (target, name) in given:
+            raise InputError(f"--expect {text}: {name.strip()} is given twice.")
+        given.add((target, name))
         found[target.strip()] = {**found.get(target.strip(), {}), name.strip(): plain}
     return found
 

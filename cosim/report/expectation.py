@@ -89,7 +89,7 @@ class Verdict:
         asked = self.expectation
         name = f"{asked.text} ({asked.label})" if asked.label else asked.text
         limit = " to ".join(f"{value:g}" for value in asked.limit)
-        unit = f" {asked.unit}" if asked.unit else ""
+        unit = f" {asked.unit}" if asked.unit not in {"", "1"} else ""
         if math.isnan(self.low):
             found = "nothing in this window"
         elif self.low == self.high:

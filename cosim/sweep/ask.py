@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cosim.base.errors import InputError
 from cosim.reading import FORMS
 from cosim.scenario import Scenario
 from cosim.scenario.load import Written
@@ -24,17 +25,21 @@ def sweep(
     measure: Mapping[str, str | Sequence[str]] | None = None,
     sample: str = "grid",
     points: int | None = None,
+    sample_seed: int | None = None,
     boundary: bool = False,
     start: str | float | None = None,
     out: str | Path | None = None,
     workers: int | None = None,
     scheduler: Any = None,
+    timeout: float | None = None,
     follow: Follow | None = None,
 ) -> SweepOutcome:
     """Run a scenario many times; docs/sweeps.md says what the arguments take.
 
-    ``scenario`` is a name, a file, or one that was loaded and perhaps edited. ``scheduler`` is the
-    address of Dask's, or a client of it. ``follow`` is told how far the sweep is.
+    ``scenario`` is a name, a file, or one that was loaded and perhaps edited. ``workers`` is
+    the number of processes, 0 for this one alone, and ``timeout`` (s) the longest that a run may
+    take in them; ``scheduler`` takes their place: the address of Dask's, or a client of it.
+    ``follow`` is told how far the sweep is.
 
     Raises:
         InputError: what is asked for cannot be.
@@ -52,10 +57,15 @@ def sweep(
         measure=measure or {},
         sample=sample,
         points=points,
+        sample_seed=sample_seed,
         boundary=boundary,
         start=start,
     )
+    if scheduler is not None and (workers is not None or timeout is not None):
+        raise InputError(
+            "workers and timeout are for processes of this machine, not for a scheduler's."
+        )
     plan = plan_of(request, FORMS)
     pool = None if scheduler is None else DaskPool(plan.job, scheduler)
     folder = None if out is None else Path(out)
-    return run_sweep(plan, folder, workers=workers, pool=pool, follow=follow)
+    return run_sweep(plan, folder, workers=workers, pool=pool, follow=follow, timeout=timeout)

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
+from cosim.base.errors import InputError
 from cosim.sweep.boundary import Place, refine
 from cosim.sweep.job import RunResult, Task
 from cosim.sweep.planning.plan import SweepPlan
-from cosim.sweep.results.content import key_of, structure_of
+from cosim.sweep.results.content import Contents
 from cosim.sweep.results.store import ResultStore, next_folder
 from cosim.sweep.theory import is_stable, radii
 from cosim.sweep.work.pool import LocalPool
@@ -141,17 +142,23 @@ def run_sweep(
         InputError: the scenario, an expectation or the folder cannot be used.
         RunError: no worker comes to life.
     """
+    if workers is not None and workers < 0:
+        raise InputError(f"workers: {workers} processes are none; 0 runs in this one.")
+    if timeout is not None and not timeout > 0:
+        raise InputError(f"timeout: {timeout:g} s is no time that a run may take.")
+    if timeout is not None and (workers == 0 or sys.platform == "win32"):
+        raise InputError("timeout: only a run in another process can be ended.")
     variants = Variants(plan.job)
     first = variants.scenario(plan.points[0])
     with closing(Warm(plan.job, first)) as base:
-        structure = structure_of(plan.job, base.assembly)
+        contents = Contents(plan.job, base.assembly)
     place = folder or next_folder(plan.name)
     if theory is None:
         theory = plan.boundary or "growth" in json.dumps(plan.expectations)
     expected = radii(variants, plan.points) if theory else None
     with ResultStore(place) as store:
-        store.describe(_description(plan, structure))
-        keys = [key_of(structure, plan.job, point) for point in plan.points]
+        store.describe(_description(plan, contents.structure))
+        keys = [contents.key(point) for point in plan.points]
         runs = _Runs(plan, keys, store, follow)
         with pool or _local(plan, len(runs.missing(range(len(keys)))), workers, timeout) as used:
             verdicts = None

@@ -77,3 +77,14 @@ def test_a_budget_is_kept(what: str, limit: float, pattern: str, command: tuple[
         return found if found <= limit else f"{found:g} {what}, more than {limit:g}"
 
     print(timed(attempt, tolerates=STALL), what)
+
+
+def test_nothing_is_slower_or_larger_than_in_the_last_release() -> None:
+    """Ratios of processor time and of memory, which say the same on a busy machine."""
+
+    def attempt(_: int) -> str | float:
+        command = [sys.executable, str(BENCH / "ratios.py")]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        return done.stderr or float(done.returncode)
+
+    print(timed(attempt, tolerates=STALL), "is the status of bench/ratios.py")

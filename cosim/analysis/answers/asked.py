@@ -10,6 +10,7 @@ from cosim.analysis.answers.names import names_of, overrides
 from cosim.analysis.compensation import tuned
 from cosim.analysis.monodromy.idealised import WINDOW, idealised
 from cosim.analysis.monodromy.point import Point, find_point
+from cosim.analysis.parameter import is_number
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 from cosim.scenario import Scenario
@@ -81,7 +82,7 @@ class AskedRun:
         found = tuple(
             f"components.{part.name}.parameters.{name}"
             for part in parts
-            if name in part.parameters and isinstance(part.parameters[name], int | float)
+            if is_number(part.parameters.get(name))
         )
         if found:
             return found

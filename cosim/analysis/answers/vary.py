@@ -11,6 +11,7 @@ from cosim.analysis.answers.asked import AskedRun
 from cosim.analysis.answers.chance import own_chance, with_losses
 from cosim.analysis.monodromy.point import Point
 from cosim.analysis.monodromy.spectrum import SETTLED
+from cosim.analysis.parameter import is_number, parameter
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
 from cosim.theory.stability.margins import FURTHEST_DELAY, FURTHEST_GAIN, Margins
@@ -100,7 +101,10 @@ def _value(scenario: Scenario, path: str) -> float | None:
     """What a path holds now, where it is a component's parameter."""
     parts = path.split(".", 3)
     if len(parts) == 4 and parts[0] == "components" and parts[1] in scenario.components:
-        value = scenario.components[parts[1]].parameters.get(parts[3])
+        part = scenario.components[parts[1]]
+        value = part.parameters.get(parts[3])
+        if part.is_bundled and is_number(value):
+            return parameter(part, parts[3])
         return float(value) if isinstance(value, int | float) else None
     return None
 
@@ -149,8 +153,6 @@ def _far_components(scenario: Scenario) -> set[str]:
 
 def _coupler_values(scenario: Scenario, wanted: Callable[[str, str], bool]) -> dict[str, float]:
     """The couplers' stiffness and damping, by path."""
-    from cosim.analysis.grasp import parameter
-
     words = ("local_", "remote_", "coupling_")
     found: dict[str, float] = {}
     for name, part in scenario.components.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cosim.analysis.chance.delays import HARMLESS, link_delays
+from cosim.analysis.parameter import parameter
 from cosim.analysis.wires import turned_parameters
 from cosim.base.errors import InputError
 from cosim.scenario import Kind, Scenario, ScenarioComponent
@@ -64,8 +65,7 @@ def refuse_turned(scenario: Scenario) -> None:
 
 
 def _refuse_deadband(scenario: Scenario, part: ScenarioComponent) -> None:
-    band = part.parameters.get("deadband")
-    if isinstance(band, int | float) and band > 0.0:
+    if "deadband" in part.parameters and parameter(part, "deadband") > 0.0:
         raise InputError(
             f"{part.name} has a deadband: within it nothing is sent, so that the loop has no "
             f"derivative. Ask without it: --set components.{part.name}.parameters.deadband=0.",

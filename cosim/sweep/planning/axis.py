@@ -162,6 +162,11 @@ def number_of(value: Value) -> float | None:
     return float(value)
 
 
+def is_word(value: Value) -> bool:
+    """Whether a value is no number, with or without a unit, and not true or false."""
+    return isinstance(value, str) and number_of(value) is None
+
+
 def unit_of(value: Value) -> str:
     """The unit that a value is written with; empty without one."""
     if not isinstance(value, str):

@@ -53,8 +53,8 @@ class PlanForm(Form):
     points: Annotated[int, Field(ge=1, le=1_000_000)] | None = Field(
         default=None, description="How many points a Latin hypercube or a Sobol sequence has."
     )
-    sample_seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
-        default=0, description="What the points of a sample are drawn from."
+    sample_seed: Annotated[int, Field(ge=0, lt=2**63)] | None = Field(
+        default=None, description="What the points of a sample are drawn from; 0 unless given."
     )
     boundary: bool = Field(
         default=False,

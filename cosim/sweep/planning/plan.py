@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
 
 from cosim.base.document.form import plain_node, read_form
+from cosim.base.document.show import show
 from cosim.base.document.yaml_reader import read_yaml
 from cosim.base.errors import InputError, Location
 from cosim.base.suggest import did_you_mean
@@ -62,7 +63,7 @@ class Request:
     seeds: int | None = None
     sample: str = "grid"
     points: int | None = None
-    sample_seed: int = 0
+    sample_seed: int | None = None
     boundary: bool = False
     start: str | float | None = None
     expect: Mapping[str, Any] = field(default_factory=dict[str, Any])
@@ -118,14 +119,18 @@ def plan_of(request: Request, forms: Forms | None = None) -> SweepPlan:
     written = _expecting(written, request.expect)
     axes = [_axis(written, name, given) for name, given in request.vary.items()]
     if request.seeds is not None:
+        if request.seeds < 1:
+            raise InputError(f"seeds: {request.seeds} seeds are none; give 1 or more.")
         if any(SEED in axis.places for axis in axes):
             raise InputError("seeds: the seed is varied already.")
         axes.append(SweepAxis(SEED, (SEED,), tuple(range(1, request.seeds + 1))))
     if not axes:
         raise InputError("nothing is varied: give --vary or --seeds, or 'vary' in the plan.")
     _refuse_twice(axes)
-    sample = Sampling(request.sample)
-    points = points_of(axes, sample, request.points, request.sample_seed)
+    sample = _sampling(request.sample)
+    if sample is Sampling.GRID and request.sample_seed is not None:
+        raise InputError("a grid draws nothing; leave 'sample_seed' out.")
+    points = points_of(axes, sample, request.points, request.sample_seed or 0)
     if request.boundary:
         _check_boundary(axes, sample)
     job = Job(
@@ -160,11 +165,33 @@ def _axis(written: Written, name: str, given: Any) -> SweepAxis:
     found = [path for place in several for path in expand(written.root, str(place))]
     if isinstance(given, str):
         values, span = parse_values(name, given)
+    elif isinstance(given, Iterable):
+        values, span = tuple(_value(name, each) for each in cast("Iterable[Any]", given)), None
     else:
-        values, span = tuple(cast("Sequence[Value]", given)), None
+        raise InputError(
+            f"{name}: write a list of values or a range such as 0..39, not {show(given)}."
+        )
     if not values:
         raise InputError(f"{name} has no values.")
     return SweepAxis(name, tuple(dict.fromkeys(found)), values, span)
+
+
+def _value(name: str, given: Any) -> Value:
+    """A value as it would be written: NumPy's numbers as numbers, lists as they stand in YAML."""
+    given = given.item() if hasattr(given, "item") else given
+    if isinstance(given, list | tuple):
+        return f"[{', '.join(str(_value(name, each)) for each in cast('Sequence[Any]', given))}]"
+    if not isinstance(given, int | float | str | bool):
+        raise InputError(
+            f"{name}: {show(given)} is no value; give numbers, words or lists of them."
+        )
+    return given
+
+
+def _sampling(name: str) -> Sampling:
+    if name not in set(Sampling):
+        raise InputError(f"sample: there is no '{name}'.{did_you_mean(name, list(Sampling))}")
+    return Sampling(name)
 
 
 def _refuse_twice(axes: Sequence[SweepAxis]) -> None:

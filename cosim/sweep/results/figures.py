@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cosim.plot.style import COLOURS, WIDTHS, new_figure, save, styled
 from cosim.sweep.planning.axis import SweepAxis, number_of
+from cosim.sweep.results.map_panel import Scale, label, panel_of
 from cosim.sweep.results.table import columns_of
 from cosim.sweep.sweep import SweepOutcome
 
@@ -19,7 +19,6 @@ PANELS = 4
 """Measures that are drawn."""
 _BINS = 24
 _NOT_MEASURES = {"number", "status", "ticks", "seconds", "checked", "message", "spectral_radius"}
-Numbers = NDArray[np.float64]
 
 
 def draw_sweep(outcome: SweepOutcome, file: Path) -> None:
@@ -39,74 +38,29 @@ def draw_sweep(outcome: SweepOutcome, file: Path) -> None:
         save(figure, file)
 
 
-def shares(outcome: SweepOutcome, across: SweepAxis, up: SweepAxis) -> Numbers:
-    """The share of good runs at each pair of values, shape (up, across); NaN where none was run.
-
-    Points of a boundary that were not run count with the verdict of what surrounds them.
-    """
-    counts = np.zeros((2, len(up.values), len(across.values)))
-    places = [list(outcome.plan.axes).index(axis) for axis in (across, up)]
-    verdicts = {result.number: result.is_good for result in outcome.results}
-    verdicts = {**(outcome.verdicts or {}), **verdicts}
-    columns, rows = ({v: i for i, v in enumerate(axis.values)} for axis in (across, up))
-    for number, good in verdicts.items():
-        point = outcome.plan.points[number]
-        x, y = columns.get(point[places[0]]), rows.get(point[places[1]])
-        if x is not None and y is not None:
-            counts[:, y, x] += (good, 1)
-    with np.errstate(invalid="ignore"):
-        return counts[0] / counts[1]
-
-
 def _map(outcome: SweepOutcome, across: SweepAxis, up: SweepAxis) -> Any:
     figure = new_figure(WIDTHS["one"], 75.0)
     plot = figure.subplots()
-    plot.grid(visible=False)
     if across.span is None or up.span is None or _is_sampled(outcome, across, up):
         _scatter(plot, outcome, across, up)
     else:
-        x, y = _numbers(across), _numbers(up)
-        mesh = plot.pcolormesh(
-            x, y, shares(outcome, across, up), cmap="cividis", vmin=0.0, vmax=1.0, shading="nearest"
-        )
+        mesh = panel_of(outcome, across, up).draw(plot)
         figure.colorbar(mesh, label="share of good runs")
-        _lay_theory(plot, outcome, across, up)
-    for axis, set_scale, set_label in (
-        (across, plot.set_xscale, plot.set_xlabel),
-        (up, plot.set_yscale, plot.set_ylabel),
-    ):
-        set_scale("log" if axis.is_log else "linear")
-        set_label(_label(axis))
     return figure
-
-
-def _lay_theory(plot: Any, outcome: SweepOutcome, across: SweepAxis, up: SweepAxis) -> None:
-    """The theory's boundary, where the two variables alone say what it is."""
-    if outcome.theory is None or min(len(across.values), len(up.values)) < 2:
-        return
-    size = len(across.values) * len(up.values)
-    radius = np.full((len(up.values), len(across.values)), np.nan)
-    places = [list(outcome.plan.axes).index(axis) for axis in (across, up)]
-    columns, rows = ({v: i for i, v in enumerate(axis.values)} for axis in (across, up))
-    for point, value in zip(outcome.plan.points, outcome.theory, strict=True):
-        radius[rows[point[places[1]]], columns[point[places[0]]]] = value
-    if np.isnan(radius).any() or not radius.min() < 1.0 <= radius.max() or size < 4:
-        return
-    plot.contour(_numbers(across), _numbers(up), radius, levels=[1.0], colors=[COLOURS[1]])
-    plot.plot([], [], color=COLOURS[1], label="theory: spectral radius 1")
-    plot.legend(loc="upper right", frameon=True)
 
 
 def _scatter(plot: Any, outcome: SweepOutcome, across: SweepAxis, up: SweepAxis) -> None:
     places = [list(outcome.plan.axes).index(axis) for axis in (across, up)]
-    for good, colour, marker, label in (
+    for good, colour, marker, name in (
         (True, COLOURS[0], "o", "good"),
         (False, COLOURS[1], "x", "not good"),
     ):
         chosen = [each.point for each in outcome.results if each.is_good is good]
         x, y = ([number_of(point[place]) for point in chosen] for place in places)
-        plot.plot(x, y, marker, color=colour, markersize=3, linestyle="none", label=label)
+        plot.plot(x, y, marker, color=colour, markersize=3, linestyle="none", label=name)
+    plot.grid(visible=False)
     plot.legend()
+    label(plot, Scale.of(across), Scale.of(up))
 
 
 def _curves(outcome: SweepOutcome, axis: SweepAxis) -> Any:
@@ -121,7 +75,7 @@ def _curves(outcome: SweepOutcome, axis: SweepAxis) -> Any:
         plot.plot(x[good], y[good], "o", markersize=2.5, color=COLOURS[0])
         plot.plot(x[~good], y[~good], "x", markersize=3, color=COLOURS[1])
         plot.set_title(name)
-    plots[-1].set_xlabel(_label(axis))
+    plots[-1].set_xlabel(Scale.of(axis).label)
     plots[-1].set_xscale("log" if axis.is_log else "linear")
     return figure
 
@@ -158,21 +112,10 @@ def _measures(outcome: SweepOutcome) -> list[str]:
 
 def _is_sampled(outcome: SweepOutcome, across: SweepAxis, up: SweepAxis) -> bool:
     """Whether the points lie anywhere, and not on the grid of the axes' values."""
-    places = [list(outcome.plan.axes).index(axis) for axis in (across, up)]
-    return any(
-        point[place] not in axis.values
-        for point in outcome.plan.points[:100]
-        for place, axis in zip(places, (across, up), strict=True)
-    )
+    known = {list(outcome.plan.axes).index(axis): set(axis.values) for axis in (across, up)}
+    points = outcome.plan.points
+    return any(point[place] not in values for place, values in known.items() for point in points)
 
 
 def _is_numeric(axis: SweepAxis) -> bool:
     return len(axis.values) > 1 and all(number_of(value) is not None for value in axis.values)
-
-
-def _numbers(axis: SweepAxis) -> Numbers:
-    return np.array([number_of(value) for value in axis.values], dtype=float)
-
-
-def _label(axis: SweepAxis) -> str:
-    return f"{axis.name} ({axis.unit})" if axis.unit else axis.name

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
@@ -92,36 +91,26 @@ class ResultStore:
         if whole != content:
             with file.open("r+b") as cut:
                 cut.truncate(len(whole))
-        for line in whole.splitlines():
-            result = result_of(json.loads(line))
+        for number, line in enumerate(whole.splitlines(), 1):
+            result = _result(line, f"{file}:{number}")
             if result.status not in AGAIN:
                 self.known[result.key] = result
 
 
-def result_of(content: dict[str, Any]) -> RunResult:
-    """A result from what ``as_dict`` gave."""
-    values: dict[str, Any] = {**content, "point": tuple(content["point"])}
-    return RunResult(**values)
-
-
-def read_results(folder: Path) -> tuple[dict[str, Any], list[RunResult]]:
-    """A sweep's description and its results, in the order of their numbers.
+def _result(line: bytes, place: str) -> RunResult:
+    """A result from its line.
 
     Raises:
-        InputError: there is no sweep in the folder.
+        InputError: it is none.
     """
     try:
-        description = json.loads((folder / DESCRIPTION_FILE).read_text(encoding="utf-8"))
-        lines = (folder / RESULTS_FILE).read_text(encoding="utf-8").splitlines()
-    except FileNotFoundError:
-        raise InputError(f"{folder} holds no sweep.") from None
-    return description, latest(result_of(json.loads(line)) for line in lines)
-
-
-def latest(results: Iterable[RunResult]) -> list[RunResult]:
-    """Of each point the last result, by number."""
-    found = {result.number: result for result in results}
-    return [found[number] for number in sorted(found)]
+        content = json.loads(line)
+        return RunResult(**{**content, "point": tuple(content["point"])})
+    except (ValueError, TypeError, KeyError):
+        raise InputError(
+            f"{place}: this is no result as this version writes them; take the line out, or name a "
+            "new folder with --out."
+        ) from None
 
 
 def next_folder(name: str) -> Path:

@@ -1,8 +1,8 @@
 """From the values of a point to a scenario: built anew only where the values are no plain ones.
 
-A seed, and a number that a component's parameter gets, change one member of a scenario that was
-built before. Everything else (a delay, a duration, a rate, a list) goes the way of ``--set``; what
-came of it is kept, so that a grid builds each of those values once.
+A seed, and a number that a component's parameter gets, with or without a unit, change one member of
+a scenario that was built before. Everything else (a delay, a duration, a rate, a list) goes the way
+of ``--set``; what came of it is kept, so that a grid builds each of those values once.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from cosim.base.document.node import Node
 from cosim.scenario import Scenario
 from cosim.scenario.load import Written
 from cosim.sweep.job import Job, override
-from cosim.sweep.planning.axis import Value
+from cosim.sweep.planning.axis import Value, unit_of
 
 KEPT = 512
 """Scenarios that are kept; each shares most of its parts with the others."""
@@ -82,8 +82,7 @@ def _is_plain(root: Node, place: str) -> bool:
     _, name, _, parameter = keys
     part = root.find(("components", name))[0]
     node, depth = root.find(("components", name, "parameters", parameter))
-    is_number = not isinstance(node.value, bool) and isinstance(node.value, int | float)
-    is_there = depth == 4 and is_number
+    is_there = depth == 4 and _is_number(node.value)
     is_new = depth < 4 and parameter.isidentifier() and part.is_mapping
     return (is_there or is_new) and not _is_tuned(root)
 
@@ -99,11 +98,16 @@ def _is_tuned(root: Node) -> bool:
 
 
 def _fits(place: str, value: Value) -> bool:
-    if isinstance(value, bool):
-        return False
     if place == "seed":
-        return isinstance(value, int) and 0 <= value < _LARGEST_SEED
-    return isinstance(value, int | float)
+        return type(value) is int and 0 <= value < _LARGEST_SEED
+    return _is_number(value)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether it is one, with a unit or without."""
+    if isinstance(value, str):
+        return bool(unit_of(value)) and not value.lstrip("+-").startswith(("0x", "0o"))
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _with(scenario: Scenario, plain: Mapping[str, Value]) -> Scenario:

@@ -177,7 +177,7 @@ def holds(
 @cache
 def soft_stiffness() -> tuple[float, float]:
     """The remote user's stiffness in section 8.2, along the normal and along the face (N/m)."""
-    from cosim.analysis.grasp import parameter
+    from cosim.analysis.parameter import parameter
     from cosim.scenario import load
 
     server = load(bundled_file(CENTRALIZED)).components["server"]

@@ -15,12 +15,12 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from cosim.sweep.results.store import RESULTS_FILE, read_results
+from cosim.sweep.results.store import RESULTS_FILE
 from tests.support.sweep.parts import SCENARIO
+from tests.support.sweep.written import table_in
 
 RUNS = 1000
 DEADLY = 100
@@ -120,16 +120,13 @@ def known(out: Path) -> int:
     return len(file.read_bytes().splitlines()) if file.exists() else 0
 
 
-def table(out: Path) -> list[Any]:
-    return [(r.point, r.status, r.message, r.measures, r.passed) for r in read_results(out)[1]]
-
-
 @pytest.mark.slow
 def test_a_killed_worker_and_a_killed_scheduler(tmp_path: Path, cluster: Cluster) -> None:
     whole = tmp_path / "whole"
     assert status(sweep(tmp_path, whole, "--workers", "2")) == 1
-    assert [each[1] for each in table(whole)].count("good") == RUNS - 1
-    assert "part" in table(whole)[DEADLY - 1][2], "who was at work is named, also by the cluster"
+    assert Counter(row["status"] for row in table_in(whole)) == {"good": RUNS - 1, "crashed": 1}
+    crashed = table_in(whole)[DEADLY - 1]
+    assert "part" in crashed["message"], "who was at work is named, also by the cluster"
 
     out = tmp_path / "cluster"
     address = cluster.start()
@@ -149,7 +146,7 @@ def test_a_killed_worker_and_a_killed_scheduler(tmp_path: Path, cluster: Cluster
     for worker in cluster.workers[1:]:
         kill(worker)
     assert status(sweep(tmp_path, out, "--scheduler", cluster.start())) == 1
-    assert table(out) == table(whole)
+    assert table_in(out) == table_in(whole)
     lines = (out / RESULTS_FILE).read_text().splitlines()
     keys = Counter(json.loads(line)["key"] for line in lines)
     assert len(keys) == RUNS

@@ -20,7 +20,7 @@ from cosim.base.errors import InputError
 from cosim.reading import FORMS
 from cosim.sweep.job import Task
 from cosim.sweep.planning.plan import Request, SweepPlan, plan_of
-from cosim.sweep.results.store import RESULTS_FILE, read_results
+from cosim.sweep.results.store import RESULTS_FILE
 from cosim.sweep.sweep import SweepOutcome, run_sweep
 from cosim.sweep.work.runner import PointRunner
 from tests.support.fmus.dying import command, dying, sentence
@@ -179,6 +179,10 @@ def test_what_is_known_is_not_run_again(scenario: Path, tmp_path: Path, counted:
     assert len(counted.read_text().splitlines()) == first + 3
     assert grown.reused == GAINS
     assert len(grown.results) == GAINS + 3
+    # What counts is content, not where a point stands: one is put before the others.
+    before = replace(made := plan(scenario), points=((-1, 0), *made.points))
+    assert run_sweep(before, out, workers=0).reused == GAINS
+    assert len(counted.read_text().splitlines()) == first + 4
     # Another scenario shares nothing.
     changed = plan(scenario, sets=["components.hand.parameters.mass=0.3"])
     assert run_sweep(changed, out, workers=0).reused == 0
@@ -203,6 +207,52 @@ def test_a_file_of_another_content_is_another_sweep(
     table.write_text(f"t,x\n0,{1 + (which == 'table')}\n")
     trace.write_text(f"1 ms\n{2 + (which == 'trace')} ms\n")
     assert run_sweep(plan(scenario, sets=sets), out, workers=0).reused == 0
+
+
+def test_a_file_that_one_value_names_is_that_values_content(scenario: Path, tmp_path: Path) -> None:
+    """What another value than the first stands for is read, too; what was not there may come."""
+    one, other = tmp_path / "one.txt", tmp_path / "other.txt"
+    one.write_text("1 ms\n2 ms\n")
+    sets = [f"channels.lan.trace={one}", "channels.lan.each_way_delay=~", "components.part=~"]
+    request = Request(
+        scenario=scenario,
+        sets=[*sets, "channels.lan.round_trip_delay=~"],
+        vary={"lan.trace": [str(one), str(other)], "push.amplitude": [1, 2]},
+        measure={"hand.position": "rms"},
+    )
+    out = tmp_path / "out"
+    statuses = [each.status for each in run_sweep(plan_of(request, FORMS), out, workers=0).results]
+    assert statuses == ["good", "good", "refused", "refused"]
+    other.write_text("3 ms\n")
+    found = run_sweep(plan_of(request, FORMS), out, workers=0)
+    assert {each.status for each in found.results} == {"good"}
+    assert found.reused == 2
+    other.write_text("5 ms\n")
+    later = run_sweep(plan_of(request, FORMS), out, workers=0)
+    assert later.reused == 2
+    assert later.results[2].measures != found.results[2].measures
+    assert run_sweep(plan_of(request, FORMS), out, workers=0).reused == 4
+
+
+def test_a_line_that_is_no_result_is_named(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_sweep(plan(scenario), out, workers=0)
+    for line in ("nonsense", "[1]", '{"number": 1}', '{"point": [], "colour": 1}'):
+        whole = (out / RESULTS_FILE).read_text()
+        (out / RESULTS_FILE).write_text(f"{whole}{line}\n")
+        with pytest.raises(InputError, match=rf"{RESULTS_FILE}:{GAINS + 1}: this is no result"):
+            run_sweep(plan(scenario), out, workers=0)
+        (out / RESULTS_FILE).write_text(whole)
+
+
+def test_what_no_process_can_keep_is_refused(scenario: Path, tmp_path: Path) -> None:
+    made = plan(scenario)
+    with pytest.raises(InputError, match="-1 processes are none"):
+        run_sweep(made, tmp_path, workers=-1)
+    with pytest.raises(InputError, match="only a run in another process"):
+        run_sweep(made, tmp_path, workers=0, timeout=1.0)
+    with pytest.raises(InputError, match="no time that a run may take"):
+        run_sweep(made, tmp_path, timeout=0.0)
 
 
 def test_a_component_that_remembers_is_found_out(tmp_path: Path) -> None:
@@ -296,5 +346,3 @@ def test_what_counts_from_the_first_tick_cannot_begin_in_the_middle(
 def test_a_folder_of_something_else_is_refused(scenario: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds no sweep"):
         run_sweep(plan(scenario), tmp_path, workers=0)
-    with pytest.raises(InputError, match="holds no sweep"):
-        read_results(tmp_path / "nothing")

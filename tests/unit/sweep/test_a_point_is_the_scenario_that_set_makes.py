@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -27,7 +28,7 @@ def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
 PLACES = {
     "seed": st.integers(0, 100),
     "components.push.parameters.amplitude": st.floats(0.1, 2.0) | st.integers(1, 3),
-    "components.hand.parameters.mass": st.sampled_from([0.1, "200 g", 1]),
+    "components.hand.parameters.mass": st.sampled_from([0.1, "200 g", 1, "0x1"]),
     "components.hand.parameters.initial_velocity": st.floats(-1, 1),
     "channels.lan.loss": st.floats(0, 1),
     "channels.lan.round_trip_delay": st.integers(0, 5),
@@ -44,7 +45,8 @@ def test_every_way_gives_the_same(scenario: Path, data: st.DataObject) -> None:
     vary = {place: [data.draw(PLACES[place]) for _ in range(2)] for place in chosen}
     plan = plan_of(Request(scenario=scenario, vary=vary), FORMS)
     variants = Variants(plan.job)
-    for point in plan.points:
+    middle = len(plan.points) // 2
+    for point in {plan.points[0], plan.points[middle], plan.points[-1]}:
         found = variants.scenario(point)
         expected = load(scenario, sets=plan.job.overrides(point))
         for name in ("seed", "components", "channels", "duration", "ticks", "connections"):
@@ -98,11 +100,33 @@ def test_an_anchor_stands_for_its_aliases() -> None:
         ({"vary": {"lan.loss": [0]}, "measure": {"hand.position": "rsm"}}, "Did you mean rms"),
         ({"vary": {"lan.loss": [0]}, "points": 5}, "a grid has the points"),
         ({"vary": {"lan.loss": [0, 1]}, "sample": "sobol", "points": 8}, "that is a range"),
+        ({"vary": {"lan.loss": [0]}, "sample": "sobl"}, "Did you mean sobol"),
+        ({"vary": {"lan.loss": [0]}, "sample_seed": 3}, "a grid draws nothing"),
+        ({"vary": {}, "seeds": 0}, "0 seeds are none"),
+        ({"vary": {"lan.loss": 0.5}}, "write a list of values or a range"),
+        ({"vary": {"lan.loss": [None]}}, "is no value"),
+        ({"vary": {"lan.loss": []}}, "has no values"),
     ],
 )
 def test_what_cannot_be_planned(scenario: Path, request_: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         plan_of(Request(scenario=scenario, **request_), FORMS)
+
+
+def test_arrays_of_numbers_are_values_and_lists_are_written_as_yaml(scenario: Path) -> None:
+    vary = {
+        "lan.loss": np.linspace(0, 0.5, 3),
+        "lan.round_trip_delay": np.arange(2),
+        "hand.initial_velocity": [np.float64(0.25)],
+        "push.via_times": [[1, 2], (3, 4.5)],
+    }
+    plan = plan_of(Request(scenario=scenario, vary=vary), FORMS)
+    assert plan.points[-1] == (0.5, 1, 0.25, "[3, 4.5]")
+    assert [type(value) for value in plan.points[-1]] == [float, int, float, str]
+    assert plan.job.overrides(plan.points[-1])[:2] == [
+        "channels.lan.loss=0.5",
+        "channels.lan.round_trip_delay=1",
+    ]
 
 
 def test_a_plan_in_a_file(scenario: Path) -> None:

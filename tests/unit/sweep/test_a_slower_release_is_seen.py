@@ -45,6 +45,12 @@ def test_the_latest_release_is_the_one_of_the_greatest_number(ratios: ModuleType
 def test_the_ratios_that_are_kept_are_those_that_are_measured(ratios: ModuleType) -> None:
     for path in FILE.with_name("ratios").glob("*.json"):
         kept = json.loads(path.read_text(encoding="utf-8"))
-        assert set(kept) <= set(ratios.RATIOS)
+        assert set(kept) <= {*ratios.RATIOS, *ratios.MEMORY}
         assert all(ratio > 0 for ratio in kept.values())
     assert list(FILE.with_name("ratios").glob("*.json"))
+
+
+def test_the_memory_of_a_program_is_its_own(ratios: ModuleType) -> None:
+    held = [bytearray(b"x") * (200 << 20)]  # what a child must not be taken to have
+    bare, more = (ratios._memory(f"held = bytearray(b'x') * ({size} << 20)") for size in (1, 60))
+    assert len(held[0]) > 1024 * more > 1024 * bare + (50 << 20)

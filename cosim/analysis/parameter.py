@@ -1,0 +1,59 @@
+"""A parameter of one of our models as a number, whichever way the scenario writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+
+from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import QuantityError, quantity, split_quantity
+from cosim.base.suggest import did_you_mean
+from cosim.scenario import ScenarioComponent
+
+AUTO = "auto"
+"""What is computed from the others; until it is, the model's own value stands."""
+
+
+def parameter(component: ScenarioComponent, name: str) -> float:
+    """The scenario's value in the variable's unit, or the model's own start value.
+
+    Raises:
+        InputError: what is written is no such quantity.
+    """
+    value = component.parameters.get(name)
+    known = _numbers(component.source)
+    if name not in known:
+        raise InputError(
+            f"{component.name}: {component.source} has no number {name}.{did_you_mean(name, known)}"
+        )
+    start, unit = known[name]
+    if value is None or value == AUTO:
+        return start
+    try:
+        return float(quantity(value, unit or "1")) if isinstance(value, str) else float(value)
+    except (QuantityError, TypeError) as error:
+        raise InputError(f"{component.name}.{name}: {error}") from None
+
+
+def is_number(value: object) -> bool:
+    """Whether a parameter's value is a number, with a unit or without."""
+    if isinstance(value, str):
+        try:
+            return split_quantity(value)[1] is not None
+        except QuantityError:
+            return False
+    return isinstance(value, int | float)
+
+
+@cache
+def _numbers(model: str) -> Mapping[str, tuple[float, str | None]]:
+    """Start value and unit of each number of a model, elements of arrays by themselves."""
+    from fmus.layout import SlotLayout
+
+    found = import_module(f"fmus.{model}.variables").MODEL
+    return {
+        element.name: (float(element.start), element.variable.unit)
+        for element in SlotLayout(found).elements
+        if isinstance(element.start, int | float)
+    }
