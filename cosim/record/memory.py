@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -24,15 +25,19 @@ def run_in_memory(
     return Run(Path(), stores, sink.base_rate, manifest or {}, lambda: None, start_tick=start_tick)
 
 
-def largest_sizes(sink: MemorySink) -> dict[str, float]:
-    """The largest size that each signal had; 0 of whole numbers, which do not run away."""
-    found: dict[str, float] = {}
+def extremes_of(sink: MemorySink) -> dict[str, tuple[float, float]]:
+    """The least and the greatest value of each signal; NaN where it has no number."""
+    found: dict[str, tuple[float, float]] = {}
     for number, group in enumerate(sink.groups):
         cells = sink.rows(number)
-        sizes = np.abs(cells.view(np.float64))
-        largest = np.maximum.reduce(sizes, axis=0, initial=0.0)
-        if np.isnan(largest).any():  # the slower way looks past what is no number
-            largest = np.fmax.reduce(sizes, axis=0, initial=0.0)
-        for column, size in zip(group.columns, largest.tolist(), strict=True):
-            found[column.name] = size if column.is_float else 0.0
+        if not len(cells):
+            found |= {column.name: (math.nan, math.nan) for column in group.columns}
+            continue
+        # All columns at once, as what each may be: one that is whole numbers is no float.
+        floats = cells.view(np.float64)
+        lows, highs = np.fmin.reduce(floats, axis=0), np.fmax.reduce(floats, axis=0)
+        least, most = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
+        ends = zip(lows.tolist(), highs.tolist(), least, most, strict=True)
+        for column, (low, high, first, last) in zip(group.columns, ends, strict=True):
+            found[column.name] = (low, high) if column.is_float else (first, last)
     return found

@@ -98,6 +98,10 @@ class SignalGroup:
         ticks = self._store.ticks
         return bisect_left(range(self.rows), tick, key=lambda row: int(ticks(row, row + 1)[0]))
 
+    def covers(self, first: int, last: int) -> bool:
+        """Whether all rows there are lie within ``first`` <= tick < ``last``."""
+        return self.first_row_at(first) == 0 and self.first_row_at(last) == self.rows
+
     @cached_property
     def _is_regular(self) -> bool:
         """Whether row i is that of tick i · period: rows come in order, a period apart at least."""

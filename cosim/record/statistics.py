@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ENVELOPE_BINS = 1024
+NAN = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,11 +31,6 @@ class Statistics:
     rms: float
     std: float
     changes: int
-
-    @property
-    def largest(self) -> float:
-        """The largest size (NaN where there is no number)."""
-        return max(abs(self.minimum), abs(self.maximum))
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: NaN as ``None``."""
@@ -57,12 +53,57 @@ class ColumnSummary:
     rows_per_bin: int
 
 
-class ColumnStatistics:
-    """Accumulates a group's columns over blocks of rows.
+class Moments:
+    """How many numbers columns have, their means and squared deviations, over blocks of rows.
 
-    Blocks are merged with the update of Chan, Golub and LeVeque (1979) for the mean and the sum
-    of squared deviations, which does not cancel as the sum of squares does.
+    Blocks are merged with the update of Chan, Golub and LeVeque (1979), which does not cancel as
+    the sum of squares does. ``counts``, ``means`` and ``deviations`` (sums of squares) have shape
+    (columns,).
     """
+
+    def __init__(self, columns: int) -> None:
+        self.counts = np.zeros(columns)
+        self.means = np.zeros(columns)
+        self.deviations = np.zeros(columns)
+
+    def update(self, values: NDArray[np.float64], work: NDArray[np.float64] | None = None) -> None:
+        """Take the next rows, of shape (columns, rows); ``work`` is room of the same shape.
+
+        A column with NaN in this block counts only its other rows.
+        """
+        here = np.full(values.shape[0], float(values.shape[1]))
+        with np.errstate(invalid="ignore", over="ignore"):
+            total = values.sum(axis=1)
+            holes: dict[int, NDArray[np.bool_]] = {}
+            if np.isnan(total).any():
+                holes = {int(row): np.isnan(values[row]) for row in np.flatnonzero(np.isnan(total))}
+            for row, missing in holes.items():
+                here[row] -= np.count_nonzero(missing)
+                total[row] = values[row].sum(where=~missing)
+            mean = np.divide(total, here, out=np.zeros_like(total), where=here > 0)
+            apart = np.subtract(values, mean[:, None], out=work)
+            for row, missing in holes.items():
+                apart[row, missing] = 0.0
+            squares = np.einsum("ij,ij->i", apart, apart)
+            both = self.counts + here
+            share = np.divide(here, both, out=np.zeros_like(both), where=both > 0)
+            step = mean - self.means
+            self.means += step * share
+            self.deviations += squares + step**2 * self.counts * share
+            self.counts = both
+
+    def of(self, column: int) -> tuple[int, float, float, float]:
+        """Of one column the count, the mean, the rms and the deviation from the mean."""
+        count = int(self.counts[column])
+        if count == 0:
+            return 0, NAN, NAN, NAN
+        mean = float(self.means[column])
+        variance = float(self.deviations[column]) / count
+        return count, mean, float(np.hypot(mean, np.sqrt(variance))), float(np.sqrt(variance))
+
+
+class ColumnStatistics:
+    """Accumulates a group's columns over blocks of rows."""
 
     def __init__(
         self, is_float: NDArray[np.bool_], capacity: int, bins: int = ENVELOPE_BINS
@@ -78,9 +119,7 @@ class ColumnStatistics:
         self._lows = np.full((columns, bins), np.nan)
         self._highs = np.full((columns, bins), np.nan)
         self.rows = 0
-        self._count = np.zeros(columns)
-        self._mean = np.zeros(columns)
-        self._deviation = np.zeros(columns)
+        self._moments = Moments(columns)
         self._changes = np.zeros(columns, np.int64)
         self._last = np.zeros(columns, np.int64)
         # Kept from block to block: fresh memory of this size costs more than the arithmetic.
@@ -100,7 +139,7 @@ class ColumnStatistics:
         for row, column in enumerate(self._order):
             values[row] = cells[column].view(np.float64) if row < self._floats else cells[column]
         self._widen_envelope(values)
-        self._merge_moments(values)
+        self._moments.update(values, self._work[:, :rows])
         self.rows += rows
 
     def summary(self, column: int) -> ColumnSummary:
@@ -114,21 +153,18 @@ class ColumnStatistics:
     def __getitem__(self, column: int) -> Statistics:
         """The statistics of one column so far."""
         place = self._place[column]
-        count = int(self._count[place])
+        count, mean, rms, std = self._moments.of(int(place))
         changes = int(self._changes[column])
         if count == 0:
-            nan = float("nan")
-            return Statistics(self.rows, self.rows, nan, nan, nan, nan, nan, changes)
-        mean = float(self._mean[place])
-        variance = float(self._deviation[place]) / count
+            return Statistics(self.rows, self.rows, NAN, NAN, NAN, NAN, NAN, changes)
         return Statistics(
             rows=self.rows,
             missing=self.rows - count,
             minimum=float(np.fmin.reduce(self._lows[place])),
             maximum=float(np.fmax.reduce(self._highs[place])),
             mean=mean,
-            rms=float(np.hypot(mean, np.sqrt(variance))),
-            std=float(np.sqrt(variance)),
+            rms=rms,
+            std=std,
             changes=changes,
         )
 
@@ -146,25 +182,3 @@ class ColumnStatistics:
         for envelope, extreme in ((self._lows, np.fmin), (self._highs, np.fmax)):
             block = extreme.reduceat(values, starts, axis=1)
             extreme(envelope[:, bins], block, out=envelope[:, bins])
-
-    def _merge_moments(self, values: NDArray[np.float64]) -> None:
-        """Chan's update; a column with NaN in this block counts only its other rows."""
-        work = self._work[:, : values.shape[1]]
-        here = np.full(values.shape[0], float(values.shape[1]))
-        with np.errstate(invalid="ignore", over="ignore"):
-            total = values.sum(axis=1)
-            holes = {int(row): np.isnan(values[row]) for row in np.flatnonzero(np.isnan(total))}
-            for row, missing in holes.items():
-                here[row] -= np.count_nonzero(missing)
-                total[row] = values[row].sum(where=~missing)
-            mean = np.divide(total, here, out=np.zeros_like(total), where=here > 0)
-            np.subtract(values, mean[:, None], out=work)
-            for row, missing in holes.items():
-                work[row, missing] = 0.0
-            squares = np.einsum("ij,ij->i", work, work)
-            both = self._count + here
-            share = np.divide(here, both, out=np.zeros_like(both), where=both > 0)
-            step = mean - self._mean
-            self._mean += step * share
-            self._deviation += squares + step**2 * self._count * share
-            self._count = both

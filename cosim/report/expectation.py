@@ -150,7 +150,7 @@ def _evaluate(measured: Inspection, asked: Expectation) -> Verdict:
             if asked.frequency is None
             else measure(run, asked.target, first, last, asked.frequency)
         )
-        if window.rows == 0 or window.statistics.missing:
+        if window.rows == 0 or window.missing:
             low = high = math.nan
         elif asked.measure:
             low = high = MEASURES[asked.measure](window)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from cosim.record.reader import Run
 from cosim.report.expectation import Expectation, Verdict, evaluate
-from cosim.report.measures import SCENARIO_MEASURES, Inspection, TickRange
+from cosim.report.measures import SCENARIO_MEASURES, Extremes, Inspection, TickRange
 from cosim.report.runaway import Runaway, runaways
 
 
@@ -37,13 +37,15 @@ class Judged:
         return not self.runaways and all(verdict.passed for verdict in self.verdicts)
 
 
-def judge(run: Run, expectations: Sequence[Expectation], largest: Mapping[str, float]) -> Judged:
-    """Measure and judge a run; ``largest`` is the largest size that each signal had."""
-    inspection = Inspection(run)
+def judge(
+    run: Run, expectations: Sequence[Expectation], extremes: Mapping[str, Extremes]
+) -> Judged:
+    """Measure and judge a run; ``extremes`` are those of each recorded signal."""
+    inspection = Inspection(run, extremes)
     return Judged(
         measures=take_measures(inspection, expectations),
         verdicts=evaluate(inspection, expectations),
-        runaways=runaways(run, largest, expectations),
+        runaways=runaways(run, extremes, expectations),
         inspection=inspection,
     )
 

@@ -10,7 +10,7 @@ the first tick at which every finger that ever touches the box does, and lasts t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -24,6 +24,8 @@ from cosim.report.window import MEASURES, Window, measure
 
 TickRange = tuple[int, int]
 """Base ticks, the second one not included."""
+Extremes = tuple[float, float]
+"""The least and the greatest value; NaN where there is none."""
 
 SETTLING = 0.5
 """From the first common contact to the hold phase (s)."""
@@ -32,8 +34,10 @@ SETTLING = 0.5
 class Inspection:
     """A run under measurement: what several measures need of it is found once."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, extremes: Mapping[str, Extremes] | None = None) -> None:
+        """``extremes`` are those of whole signals, where somebody has found them already."""
         self.run = run
+        self._extremes = extremes or {}
         self.platform = platform_of(run)
         self._windows: dict[tuple[Target, TickRange], Window] = {}
         self._values: dict[tuple[str, TickRange | None], float | None] = {}
@@ -52,11 +56,24 @@ class Inspection:
             self._windows[key] = measure(self.run, target, first, last)
         return self._windows[key]
 
+    def extremes(self, signal: str, first: int, last: int) -> Extremes:
+        """The least and the greatest value of a signal over ``first`` <= tick < ``last``."""
+        if signal in self._extremes and self.run[signal].group.covers(first, last):
+            return self._extremes[signal]
+        window = self.window(_one(signal), first, last)
+        return window.minimum, window.maximum
+
+    def ever(self, signal: str) -> bool:
+        """Whether a signal is anything but 0 at any tick."""
+        if signal in self._extremes:
+            return self.run[signal].group.rows > 0 and self._extremes[signal] != (0, 0)
+        return any(bool(block.any()) for block in self.run[signal].blocks())
+
     @cached_property
     def hold_phase(self) -> tuple[TickRange, tuple[Contact, ...]] | None:
         """The hold phase and the contacts that count; ``None`` if the box is never held by all."""
         run = self.run
-        touching = tuple(each for each in self.platform.contacts if _ever(run, each))
+        touching = tuple(each for each in self.platform.contacts if self.ever(each.state))
         if not touching:
             return None
         for ticks, states in aligned(run, [contact.state for contact in touching], 0, run.ticks):
@@ -173,17 +190,14 @@ def _box_displacement(measured: Inspection, window: TickRange | None) -> float |
 
 def _wall_penetration(measured: Inspection, window: TickRange | None) -> float | None:
     first, last = window or (0, measured.run.ticks)
-    found = [
-        measured.window(_one(name), first, last).maximum
-        for name in measured.platform.depths.values()
-    ]
+    found = [measured.extremes(name, first, last)[1] for name in measured.platform.depths.values()]
     return max(found) if found else None
 
 
 def _saturated_ticks(measured: Inspection, window: TickRange | None) -> float | None:
     first, last = window or (0, measured.run.ticks)
-    counters = [measured.window(_one(name), first, last) for name in measured.platform.saturations]
-    return sum(each.maximum - each.minimum for each in counters) if counters else None
+    counters = [measured.extremes(name, first, last) for name in measured.platform.saturations]
+    return sum(most - least for least, most in counters) if counters else None
 
 
 def signals_of(platform: RecordedPlatform) -> set[str]:
@@ -197,10 +211,6 @@ def signals_of(platform: RecordedPlatform) -> set[str]:
 
 def _one(name: str) -> Target:
     return Target(name, (name,))
-
-
-def _ever(run: Run, contact: Contact) -> bool:
-    return any(bool(block.any()) for block in run[contact.state].blocks())
 
 
 SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {

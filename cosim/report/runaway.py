@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from cosim.record.reader import Run
 from cosim.report.expectation import Expectation
+from cosim.report.measures import Extremes
 
 BOUNDS: Mapping[str, float] = {
     "m": 100.0,
@@ -49,23 +51,36 @@ class Runaway:
 
 
 def runaways(
-    run: Run, largest: Mapping[str, float], expectations: Iterable[Expectation] = ()
+    run: Run, extremes: Mapping[str, Extremes], expectations: Iterable[Expectation] = ()
 ) -> list[Runaway]:
     """Every recorded signal that ran away, the first one first.
 
-    ``largest`` is the largest size that each signal had. A signal that the scenario has an
+    ``extremes`` are those of each signal. A signal that the scenario has an
     expectation of is judged by that alone.
     """
-    judged = {
-        name for each in expectations if each.target is not None for name in each.target.signals
+    far = {
+        name: size
+        for name, bound in _bounds_of(run).items()
+        if (size := max(-extremes[name][0], extremes[name][1])) > bound
     }
+    for each in expectations if far else ():
+        for name in each.target.signals if each.target is not None else ():
+            far.pop(name, None)
     found: list[Runaway] = []
-    for name, signal in run.signals.items():
-        bound = BOUNDS.get(signal.unit, OTHERWISE)
-        size = largest[name]
-        if not signal.is_float or name in judged or not size > bound:
-            continue
+    for name, size in far.items():
+        signal, bound = run[name], _bounds_of(run)[name]
         row = int(np.argmax(np.abs(signal.values) > bound))
         since = float(run.seconds(signal.group.ticks_of(row, row + 1))[0])
         found.append(Runaway(name, signal.unit, bound, since, size))
     return sorted(found, key=lambda each: (each.since, each.signal))
+
+
+_BOUNDS: WeakKeyDictionary[Run, Mapping[str, float]] = WeakKeyDictionary()
+
+
+def _bounds_of(run: Run) -> Mapping[str, float]:
+    """The bound of each floating-point signal of a run; looked for once."""
+    if run not in _BOUNDS:
+        signals = run.signals.items()
+        _BOUNDS[run] = {n: BOUNDS.get(s.unit, OTHERWISE) for n, s in signals if s.is_float}
+    return _BOUNDS[run]

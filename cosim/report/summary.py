@@ -67,8 +67,9 @@ def summarise(
     """
     if summaries is None:
         summaries = {name: signal.summary() for name, signal in run.signals.items()}
-    largest = {name: each.statistics.largest for name, each in summaries.items()}
-    judged = judge(run, expectations, largest)
+    statistics = {name: each.statistics for name, each in summaries.items()}
+    extremes = {name: (each.minimum, each.maximum) for name, each in statistics.items()}
+    judged = judge(run, expectations, extremes)
     verdicts, away = judged.verdicts, judged.runaways
     manifest = run.manifest
     ending = manifest.get("exit") or {"status": 1, "message": "The run was cut off."}
@@ -94,7 +95,7 @@ def summarise(
         "warnings": manifest.get("warnings") or {},
         "headlines": headlines(run.signals),
         "signals": {
-            name: {"unit": signal.unit} | summaries[name].statistics.as_dict()
+            name: {"unit": signal.unit} | statistics[name].as_dict()
             for name, signal in run.signals.items()
         },
     }

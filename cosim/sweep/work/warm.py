@@ -12,7 +12,7 @@ from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.variation import with_values
 from cosim.master.run.simulation import assemble
 from cosim.master.run.whereabouts import Whereabouts
-from cosim.record.memory import largest_sizes, run_in_memory
+from cosim.record.memory import extremes_of, run_in_memory
 from cosim.record.playback import KINDS
 from cosim.record.reader import Run
 from cosim.report.expectation import Expectation, parse_expectations
@@ -107,7 +107,7 @@ class Warm:
         outcome = self._simulation.run(sink, keep_fmus=True)
         if outcome.interrupted:
             raise RunError("Interrupted.")
-        judged = judge(self._run_of(sink, outcome.ticks), expectations, largest_sizes(sink))
+        judged = judge(self._run_of(sink, outcome.ticks), expectations, extremes_of(sink))
         measures, passed = self._found(judged)
         return RunResult(
             number=task.number,

@@ -11,7 +11,7 @@ from cosim.base.errors import InputError
 from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import assemble
 from cosim.reading import load
-from cosim.record.memory import largest_sizes, run_in_memory
+from cosim.record.memory import extremes_of, run_in_memory
 from cosim.report.expectation import parse_expectations
 from cosim.report.judged import judge
 from cosim.scene import describe_scene
@@ -28,7 +28,7 @@ def judged(sets: Sequence[str]) -> tuple[dict[str, float], list[str], set[str]]:
         outcome = simulation.run(sink)
     run = run_in_memory(sink, {"exit": {"ticks": outcome.ticks}})
     units = {name: signal.unit for name, signal in run.signals.items()}
-    found = judge(run, parse_expectations(scenario, units), largest_sizes(sink))
+    found = judge(run, parse_expectations(scenario, units), extremes_of(sink))
     return found.measures, [str(verdict) for verdict in found.verdicts], set(run.signals)
 
 
