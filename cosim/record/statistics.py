@@ -65,6 +65,7 @@ class Moments:
         self.counts = np.zeros(columns)
         self.means = np.zeros(columns)
         self.deviations = np.zeros(columns)
+        self._is_empty = True
 
     def update(self, values: NDArray[np.float64], work: NDArray[np.float64] | None = None) -> None:
         """Take the next rows, of shape (columns, rows); ``work`` is room of the same shape.
@@ -80,13 +81,17 @@ class Moments:
             for row, missing in holes.items():
                 here[row] -= np.count_nonzero(missing)
                 total[row] = values[row].sum(where=~missing)
-            mean = np.divide(total, here, out=np.zeros_like(total), where=here > 0)
+            mean = _ratio(total, here) if holes else total / here
             apart = np.subtract(values, mean[:, None], out=work)
             for row, missing in holes.items():
                 apart[row, missing] = 0.0
             squares = np.einsum("ij,ij->i", apart, apart)
+            if self._is_empty:
+                self._is_empty = False
+                self.counts, self.means, self.deviations = here, mean, squares
+                return
             both = self.counts + here
-            share = np.divide(here, both, out=np.zeros_like(both), where=both > 0)
+            share = _ratio(here, both)
             step = mean - self.means
             self.means += step * share
             self.deviations += squares + step**2 * self.counts * share
@@ -100,6 +105,11 @@ class Moments:
         mean = float(self.means[column])
         variance = float(self.deviations[column]) / count
         return count, mean, float(np.hypot(mean, np.sqrt(variance))), float(np.sqrt(variance))
+
+
+def _ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The quotients, 0 where nothing is divided by nothing."""
+    return np.divide(one, other, out=np.zeros_like(one), where=other > 0)
 
 
 class ColumnStatistics:

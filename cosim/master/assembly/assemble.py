@@ -47,6 +47,8 @@ class Assembly:
     """The same of its texts."""
     lagging: tuple[str, ...]
     notes: tuple[str, ...]
+    asked: Scenario
+    """What it was made of; ``scenario`` has absolute names of files, and values from the rates."""
 
 
 def put_together(
@@ -63,7 +65,7 @@ def put_together(
     Raises:
         InputError: a problem, or ``InputErrors`` for several, each with its place.
     """
-    problems = Problems(scenario.root)
+    asked, problems = scenario, Problems(scenario.root)
     clock = Clock(scenario.base_rate, scenario.start_tick)
     participants = read_participants(scenario, clock, problems, instances, kinds)
     isolated = isolate(participants, scenario)
@@ -122,6 +124,7 @@ def put_together(
                 *notes_of(participants),
                 *isolated,
             ),
+            asked=asked,
         )
     problems.raise_if_any()
     raise AssertionError

@@ -8,7 +8,7 @@ sent, or no longer may. Everything else is another plan.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from cosim.base.document.problems import Problems
 from cosim.master.assembly.assemble import Assembly
@@ -21,6 +21,7 @@ from cosim.master.components.participant import Participant
 from cosim.master.components.participants import other_values
 from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
 
+_BUT_THE_SEED = tuple(each.name for each in fields(Scenario) if each.name != "seed")
 _STRUCTURE = ("base_rate", "start_tick", "rates", "record")
 
 
@@ -32,6 +33,9 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
     Raises:
         InputError: a value cannot be used, or ``InputErrors`` for several, each with its place.
     """
+    asked = scenario
+    if all(getattr(assembly.asked, name) is getattr(scenario, name) for name in _BUT_THE_SEED):
+        return _with_seed(assembly, scenario)
     before = assembly.scenario
     if any(getattr(before, name) != getattr(scenario, name) for name in _STRUCTURE):
         return None
@@ -75,6 +79,27 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
         participants=participants,
         knobs=knobs,
         wiring=replace(assembly.wiring, bundles=bundles),
+        asked=asked,
+    )
+
+
+def _with_seed(assembly: Assembly, asked: Scenario) -> Assembly:
+    """The assembly of a scenario that has another seed, and nothing else: the quick way."""
+    wiring = assembly.wiring
+    bundles = [
+        bundle
+        if bundle.channel is None
+        else replace(
+            bundle,
+            fates=bundle.fates.again(asked.seed, bundle.fates.direction, bundle.fates.extremes),
+        )
+        for bundle in wiring.bundles
+    ]
+    return replace(
+        assembly,
+        scenario=replace(assembly.scenario, seed=asked.seed),
+        wiring=Wiring(wiring.wires, bundles, wiring.notes, wiring.connection_of),
+        asked=asked,
     )
 
 
