@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 
+from cosim.base.document.show import show
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import QuantityError, quantity, split_quantity
 from cosim.base.suggest import did_you_mean
@@ -30,9 +31,11 @@ def parameter(component: ScenarioComponent, name: str) -> float:
     start, unit = known[name]
     if value is None or value == AUTO:
         return start
+    if isinstance(value, tuple):
+        raise InputError(f"{component.name}.{name} is one number, not {show(value)}.")
     try:
         return float(quantity(value, unit or "1")) if isinstance(value, str) else float(value)
-    except (QuantityError, TypeError) as error:
+    except QuantityError as error:
         raise InputError(f"{component.name}.{name}: {error}") from None
 
 

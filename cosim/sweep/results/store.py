@@ -104,8 +104,9 @@ def _result(line: bytes, place: str) -> RunResult:
         InputError: it is none.
     """
     try:
-        content = json.loads(line)
-        return RunResult(**{**content, "point": tuple(content["point"])})
+        content: dict[str, Any] = json.loads(line)
+        content["point"] = tuple(content["point"])
+        return RunResult(**content)
     except (ValueError, TypeError, KeyError):
         raise InputError(
             f"{place}: this is no result as this version writes them; take the line out, or name a "

@@ -7,6 +7,7 @@ was at is tried once more by itself, and what else it was given goes to others.
 from __future__ import annotations
 
 import os
+import pickle
 import socket
 import subprocess
 import sys
@@ -16,12 +17,14 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
+from selectors import EVENT_READ, DefaultSelector
 from types import TracebackType
 from typing import IO
 
 from cosim.base.errors import RunError
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.messages import READY, ResultReader, task_bytes
 from cosim.sweep.work.traces import last_words, room_in
 from cosim.sweep.work.variants import Variants
 
@@ -42,6 +45,7 @@ class _Worker:
     traces: IO[bytes]
     """What its runs are doing."""
     given: deque[Task] = field(default_factory=deque[Task])
+    reader: ResultReader = field(default_factory=ResultReader)
     began: float = 0.0
     answered: bool = False
 
@@ -55,6 +59,7 @@ class LocalPool:
         self._count = max(1, processors() if count is None else count)
         self._timeout = timeout
         self._workers: list[_Worker] = []
+        self._speaking = DefaultSelector()
         self._deaths: dict[int, int] = {}
         self._stillborn = 0
 
@@ -75,7 +80,7 @@ class LocalPool:
             self._workers.append(self._hire())
         for worker in self._workers:
             with suppress(EOFError, OSError):
-                worker.pipe.recv()
+                worker.pipe.recv_bytes()
 
     @property
     def processes(self) -> list[int]:
@@ -98,15 +103,13 @@ class LocalPool:
             busy = [worker for worker in self._workers if worker.given]
             if not busy:
                 return
-            ready = wait([worker.pipe for worker in busy], timeout=self._patience(busy))
-            for worker in busy:
-                if worker.pipe in ready:
-                    yield from self._hear(worker, again, alone)
-                elif self._timeout and time.monotonic() - worker.began > self._timeout:
-                    worker.process.kill()
+            for key, _ in self._speaking.select(self._patience(busy)):
+                yield from self._hear(key.data, again, alone)
+            self._end_those_that_hang()
 
     def close(self) -> None:
         """End every worker."""
+        self._speaking.close()
         for worker in self._workers:
             worker.pipe.close()  # the worker ends when it finds nobody there
         for worker in self._workers:
@@ -135,43 +138,56 @@ class LocalPool:
             worker.began = time.monotonic()
         worker.given.append(task)
         with suppress(OSError):  # a worker that is dead is found so when it is heard
-            worker.pipe.send(task)
+            worker.pipe.send_bytes(task_bytes(task))
 
     def _hear(self, worker: _Worker, again: deque[Task], alone: deque[Task]) -> Iterator[RunResult]:
         try:
-            result = worker.pipe.recv()
+            said = worker.pipe.recv_bytes()
         except (EOFError, OSError):
             yield from self._bury(worker, again, alone)
             return
-        if result is None:  # it is ready
+        if said == READY:
             worker.began = time.monotonic()
             return
         worker.answered, self._stillborn = True, 0
-        worker.given.popleft()
         worker.began = time.monotonic()
-        yield result
+        yield worker.reader.read(said, worker.given.popleft())
 
     def _bury(self, worker: _Worker, again: deque[Task], alone: deque[Task]) -> Iterator[RunResult]:
+        self._speaking.unregister(worker.pipe)
         worker.pipe.close()
         status = worker.process.wait()
-        lost, *others = worker.given
         self._workers.remove(worker)
-        with worker.traces:
-            why = last_words(
-                worker.traces.fileno(), status, Variants(self._job).scenario(lost.point)
-            )
+        why = self._last_words(worker, status)
         if not worker.answered:
             self._stillborn += 1
             if self._stillborn >= _NO_START * self._count:
                 raise RunError(f"The workers of the sweep die at once: {why}.")
-        again.extend(others)
-        self._deaths[lost.number] = self._deaths.get(lost.number, 0) + 1
-        if self._deaths[lost.number] < ATTEMPTS:
-            alone.append(lost)
-        else:
-            message = f"{why}; it was tried {ATTEMPTS} times."
-            yield RunResult(lost.number, lost.key, lost.point, "crashed", message)
+        if worker.given:  # else it was killed while it had nothing to do
+            lost, *others = worker.given
+            again.extend(others)
+            self._deaths[lost.number] = self._deaths.get(lost.number, 0) + 1
+            if self._deaths[lost.number] < ATTEMPTS:
+                alone.append(lost)
+            else:
+                message = f"{why}; it was tried {ATTEMPTS} times."
+                yield RunResult(lost.number, lost.key, lost.point, "crashed", message)
         self._workers.append(self._hire())
+
+    def _last_words(self, worker: _Worker, status: int) -> str:
+        with worker.traces:
+            if not worker.given:
+                return f"one ended with status {status} while it had nothing to do"
+            scenario = Variants(self._job).scenario(worker.given[0].point)
+            return last_words(worker.traces.fileno(), status, scenario)
+
+    def _end_those_that_hang(self) -> None:
+        if self._timeout is None:
+            return
+        since = time.monotonic() - self._timeout
+        for worker in self._workers:
+            if worker.given and worker.began < since:
+                worker.process.kill()
 
     def _patience(self, busy: list[_Worker]) -> float | None:
         if self._timeout is None:
@@ -195,8 +211,10 @@ class LocalPool:
             )
         pipe = Connection(ours.detach())
         with suppress(OSError):
-            pipe.send(self._job)
-        return _Worker(process, pipe, traces)
+            pipe.send_bytes(pickle.dumps(self._job))
+        worker = _Worker(process, pipe, traces)
+        self._speaking.register(pipe, EVENT_READ, worker)
+        return worker
 
 
 def processors() -> int:

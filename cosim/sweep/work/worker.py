@@ -1,19 +1,20 @@
 """A worker of a local pool: ``python -m cosim.sweep.work.worker SOCKET FILE``.
 
 The socket leads to its pool; what its runs are doing is in the file.
-It is sent the job, says ``None`` when it is ready, and from then on gets tasks and answers results.
+It is sent the job, says when it is ready, and from then on gets tasks and answers results.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import sys
 from multiprocessing.connection import Connection
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from cosim.base.system.garbage import collect_seldom
-from cosim.sweep.job import RunResult
+from cosim.sweep.work.messages import READY, ResultWriter, task_of
 from cosim.sweep.work.runner import PointRunner
 from cosim.sweep.work.traces import Traces
 
@@ -22,10 +23,11 @@ def main(number: int, file: int) -> None:
     """Work until nobody is there any more."""
     settle()
     pipe = Connection(number)
-    with PointRunner(_next(pipe), Traces(file)) as runner:
-        _say(pipe, None)
+    writer = ResultWriter()
+    with PointRunner(pickle.loads(_next(pipe)), Traces(file)) as runner:
+        _say(pipe, READY)
         while True:
-            _say(pipe, runner.run(_next(pipe)))
+            _say(pipe, writer.write(runner.run(task_of(_next(pipe)))))
 
 
 def settle() -> None:
@@ -35,16 +37,16 @@ def settle() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def _next(pipe: Connection) -> Any:
+def _next(pipe: Connection) -> bytes:
     try:
-        return pipe.recv()
+        return pipe.recv_bytes()
     except (EOFError, OSError):
         _leave()
 
 
-def _say(pipe: Connection, what: RunResult | None) -> None:
+def _say(pipe: Connection, what: bytes) -> None:
     try:
-        pipe.send(what)
+        pipe.send_bytes(what)
     except OSError:
         _leave()
 
