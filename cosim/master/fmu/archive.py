@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import stat
+import sys
 import tempfile
 import zipfile
 import zlib
-from contextlib import suppress
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.base.system.store import keep, recall
 
 _DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError)
 
+FOLDER, NOTE = "fmu", "files.json"
+"""An FMU, and what it was unpacked to: as text, which every version of Python reads."""
 MAX_UNPACKED = 2 << 30
 """Largest archive that is unpacked (bytes)."""
 
@@ -66,18 +71,22 @@ def unpack(path: Path, digest: str) -> Path:
     from fmus.cache import cache_directory
 
     home = cache_directory() / "unpacked" / digest
-    folder, note = home / "fmu", home / "files"
-    if home.is_dir():
-        if recall(note) == _state_of(folder):
-            return folder
-        _remove(home)
-    home.parent.mkdir(parents=True, exist_ok=True)
+    if not _is_whole(home):
+        home.parent.mkdir(parents=True, exist_ok=True)
+        with _alone(home.with_name(f"{digest}.lock")):
+            if not _is_whole(home):  # otherwise another process was first
+                _remove(home)
+                _fill(home, path)
+    return home / FOLDER
+
+
+def _fill(home: Path, path: Path) -> None:
     scratch = Path(tempfile.mkdtemp(prefix="unpacking-", dir=home.parent))
     try:
-        (_copy if path.is_dir() else _extract)(path, scratch / folder.name)
+        (_copy if path.is_dir() else _extract)(path, scratch / FOLDER)
         scratch.chmod(0o755)
         # Both at once: others would take a folder without its note for one that was changed.
-        keep(scratch / note.name, _state_of(scratch / folder.name))
+        _keep(scratch / NOTE, _state_of(scratch / FOLDER))
         _move(scratch, home)
     except (OSError, shutil.Error) as error:
         reason = error.strerror or error
@@ -86,7 +95,32 @@ def unpack(path: Path, digest: str) -> Path:
         ) from None
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
-    return folder
+
+
+def _keep(note: Path, state: Mapping[str, list[int]]) -> None:
+    note.write_text(json.dumps(state), encoding="utf-8")
+
+
+@contextmanager
+def _alone(lock: Path) -> Generator[None]:
+    """One process at a time judges what is there and unpacks: it takes away no other's work."""
+    if sys.platform == "win32":
+        yield
+        return
+    import fcntl
+
+    with lock.open("ab") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _is_whole(home: Path) -> bool:
+    """Whether the files are those that were unpacked."""
+    try:
+        kept: Any = json.loads((home / NOTE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return kept == _state_of(home / FOLDER)
 
 
 def _extract(path: Path, folder: Path) -> None:
@@ -133,14 +167,17 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
         raise InputError(f"the FMU {path} unpacks to {total} bytes, more than {MAX_UNPACKED}")
 
 
-def _state_of(folder: Path) -> dict[str, tuple[int, int]]:
+def _state_of(folder: Path) -> dict[str, list[int]]:
     """Size (bytes) and time of change (ns) of every file, by its place in the folder."""
-    found: dict[str, tuple[int, int]] = {}
+    found: dict[str, list[int]] = {}
     for at, _, names in os.walk(folder):
         for name in names:
             file = f"{at}{os.sep}{name}"
-            stat = os.lstat(file)
-            found[file.removeprefix(str(folder))] = (stat.st_size, stat.st_mtime_ns)
+            try:
+                stat = os.lstat(file)
+            except FileNotFoundError:  # it is being taken away
+                continue
+            found[file.removeprefix(str(folder))] = [stat.st_size, stat.st_mtime_ns]
     return found
 
 

@@ -41,7 +41,7 @@ def test_who_is_stopped_in_the_middle_leaves_nothing(
     def stopped(file: Path, content: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(archive, "keep", stopped)
+    monkeypatch.setattr(archive, "_keep", stopped)
     with pytest.raises(KeyboardInterrupt):
         unpack(FMU, sha256_of(FMU))
     assert not list(own_cache.rglob("modelDescription.xml"))
@@ -50,13 +50,13 @@ def test_who_is_stopped_in_the_middle_leaves_nothing(
 def test_processes_that_unpack_it_at_once_have_all_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """What one of them was handed, no other one takes away."""
     digest = sha256_of(FMU)
-    plain = archive.keep
+    plain = archive._keep
 
     def slowly(file: Path, content: object) -> None:
         time.sleep(0.02)
         plain(file, content)
 
-    monkeypatch.setattr(archive, "keep", slowly)
+    monkeypatch.setattr(archive, "_keep", slowly)
     begin, lost = threading.Barrier(6), []
 
     def at_once() -> None:
