@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
-
 from cosim.record.reader import open_run
 from tests.support.terminal import Terminal
 
@@ -39,7 +37,7 @@ def test_trials_are_paced_and_recorded(tmp_path: Path) -> None:
     for trial in (1, 2):
         folder = person / f"trial-00{trial}"
         summary = json.loads((folder / "summary.json").read_text())
-        assert summary["wall_time"] == pytest.approx(0.5, abs=0.2)
+        assert summary["wall_time"] > 0.49, "it is not run as fast as it goes"
         assert summary["deadlines"]
         with open_run(folder) as run:
             assert any(name.startswith("finger_a1.") for name in run.signals)
