@@ -26,6 +26,7 @@ from cosim.scenario import (
     ScenarioComponent,
 )
 from cosim.scenario.model import Value
+from cosim.scenario.source.notation import components_in
 from cosim.station.half import Half, Peer
 from cosim.station.peer_inputs import peer_inputs
 from cosim.station.signals import StationSignals, identifier, reference
@@ -83,7 +84,7 @@ class _Splitter:
             expect={
                 name: wanted
                 for name, wanted in self.scenario.expect.items()
-                if name.partition(".")[0] in kept
+                if (parts := components_in(name)) and kept.keys() >= set(parts)
             },
         )
         return Half(self.own, scenario, tuple(self.peers.values()), tuple(self.dropped))
@@ -94,9 +95,13 @@ class _Splitter:
             self.dropped += [f"what turns {channel}.{dial}" for dial in sorted(dials)]
 
     def _drop_expectations_of_the_whole(self) -> None:
-        """What is expected of a component is judged at its station, what of all of them nowhere."""
-        components = self.scenario.components
-        names = [n for n in self.scenario.expect if n.partition(".")[0] not in components]
+        """What is expected of a component is judged at its station, what of several nowhere."""
+        stations = {name: part.station for name, part in self.scenario.components.items()}
+        names = [
+            target
+            for target in self.scenario.expect
+            if len({stations.get(part) for part in components_in(target)} - {None}) != 1
+        ]
         if names:
             self.dropped.append(f"expect {', '.join(names)}")
 

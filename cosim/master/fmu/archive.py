@@ -70,7 +70,7 @@ def unpack(path: Path, digest: str) -> Path:
     """
     from fmus.cache import cache_directory
 
-    home = cache_directory() / "unpacked" / digest
+    home = cache_directory() / "unpacked-fmus" / digest
     if not _is_whole(home):
         home.parent.mkdir(parents=True, exist_ok=True)
         with _alone(home.with_name(f"{digest}.lock")):

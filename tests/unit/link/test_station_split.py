@@ -8,6 +8,7 @@ import textwrap
 
 import pytest
 
+from cosim import reading
 from cosim.base.errors import InputError
 from cosim.link.session.contract import Contract
 from cosim.link.stream.form import read_link
@@ -18,6 +19,7 @@ from cosim.master.assembly.assemble import Assembly, put_together
 from cosim.record import open_run
 from cosim.run import run_scenario
 from cosim.scenario import load
+from cosim.scenario.source.bundled import bundled_scenarios
 from cosim.station.contract import contract_of
 from cosim.station.halves import refuse_unusable_halves
 from cosim.station.partners import addresses_of, key_files_of
@@ -314,3 +316,22 @@ def test_the_age_that_the_workstation_is_told_holds_all_delays(tmp_path, own, de
     begins = 0 if delay is None else 8 * delay
     assert len(age) == 52
     assert list(age[begins:]) == list(range(begins, len(age)))
+
+
+def test_what_is_expected_of_two_stations_is_judged_at_neither() -> None:
+    """A difference begins with a component of one of them, and a length with a stroke."""
+    both = "vr_a.finger_1.normal_force - vr_b.finger_1.normal_force"
+    alone = "|vr_b.finger_1.force|"
+    sets = [f'expect={{"{both}": {{max: 1 N}}, "{alone}": {{max: 9 N}}}}']
+    whole = put_together(load("two_users_box", sets=sets))
+    halves = [split(whole, station) for station in ("station_a", "station_b")]
+    assert [list(half.scenario.expect) for half in halves] == [[], [alone]]
+    for half in halves:
+        assert any(both in text for text in half.dropped)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [each.name for each in bundled_scenarios()])
+def test_every_bundled_scenario_has_stations_that_could_run_it(name: str) -> None:
+    """``cohaptic check`` refuses what a station would."""
+    refuse_unusable_halves(put_together(reading.load(name)))
