@@ -83,8 +83,9 @@ def command(
                 f"{opened.folder}: there is no scene.json in it, so nothing can be drawn: the run "
                 "is older than scenes are, or nothing in it moves. Run its scenario again."
             )
-        end = opened.ticks / opened.base_rate
-        end = end if until is None else min(until, end)
+        start = max(start, opened.start_tick / opened.base_rate)
+        last = (opened.start_tick + opened.ticks) / opened.base_rate
+        end = last if until is None else min(until, last)
         if start >= end:
             raise InputError(f"from {float(start):g} s to {float(end):g} s there is nothing.")
         ticks = frame_ticks(opened, start, end, exact(speed) / rate)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil
+from math import ceil, floor, lcm
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """The part of a run that is looked at, in seconds; ``until`` ``None`` is its end."""
+    """The part of a run that is looked at, in the model's time (s); ``until`` ``None``: its end."""
 
     start: Fraction = Fraction(0)
     until: Fraction | None = None
@@ -64,13 +64,22 @@ class TimeSeries:
         """Seconds from row to row."""
         return self.signal.group.period / self.run.base_rate
 
+    @property
+    def start(self) -> Fraction:
+        """The model's time at its first row (s)."""
+        return self.run.start_tick / self.run.base_rate
+
     def rows(self, span: Span) -> tuple[int, int]:
         """First row and the one behind the last, of those that begin in the span."""
         total = self.signal.group.rows
-        first = min(total, ceil(span.start / self.period))
+        first = min(total, max(0, ceil((span.start - self.start) / self.period)))
         if span.until is None:
             return first, total
-        return first, max(first, min(total, int(span.until / self.period) + 1))
+        return first, max(first, min(total, floor((span.until - self.start) / self.period) + 1))
+
+    def times(self, first: int, last: int) -> Numbers:
+        """The model's time at rows (s), each rounded once."""
+        return self.run.seconds(np.arange(first, last, dtype=np.int64) * self.signal.group.period)
 
     def values(self, span: Span) -> tuple[Numbers, Numbers]:
         """Times (s) and values of the span's rows, each of shape (rows,).
@@ -84,12 +93,7 @@ class TimeSeries:
                 f"{self.run.folder}: {self.signal.name} has no row from {float(span.start):g} s"
                 + (f" to {float(span.until):g} s." if span.until is not None else " on.")
             )
-        return seconds(self.period, first, last), self.signal[first:last].astype(np.float64)
-
-
-def seconds(period: Fraction, first: int, last: int) -> Numbers:
-    """Times (s) of rows ``first`` to ``last``, each rounded once."""
-    return np.divide(np.arange(first, last) * period.numerator, period.denominator)
+        return self.times(first, last), self.signal[first:last].astype(np.float64)
 
 
 def select(runs: Sequence[Run], patterns: Sequence[str]) -> list[TimeSeries]:
@@ -136,10 +140,12 @@ def held_together(
     fast, slow = sorted((first, second), key=lambda each: each.period)
     begin, end = fast.rows(span)
     # Whole numbers compare exactly where times in seconds would round.
-    ratio = fast.period / slow.period
-    rows = (np.arange(begin, end, dtype=np.int64) * ratio.numerator) // ratio.denominator
-    inside = rows < slow.signal.group.rows
-    time = seconds(fast.period, begin, end)[inside]
+    ratio, ahead = fast.period / slow.period, (fast.start - slow.start) / slow.period
+    parts = lcm(ratio.denominator, ahead.denominator)
+    rows = np.arange(begin, end, dtype=np.int64) * int(ratio * parts) + int(ahead * parts)
+    rows //= parts
+    inside = (rows >= 0) & (rows < slow.signal.group.rows)
+    time = fast.times(begin, end)[inside]
     if not time.size:
         raise InputError(f"{first.label} and {second.label} have no moment in common in this span.")
     rows = rows[inside]

@@ -15,7 +15,8 @@ from cosim.base.suggest import did_you_mean
 from cosim.base.texts import TextCells
 from cosim.record.reader import RUN_FILE, open_run
 from cosim.record.signals import Values
-from cosim.record.texts.recorded import RecordedText
+from cosim.record.texts.journal import JOURNAL_FILE
+from cosim.record.texts.recorded import TEXTS_FILE, RecordedText
 from cosim.scenario import Kind, Scenario
 from cosim.scenario import ScenarioComponent as Written
 
@@ -44,6 +45,7 @@ class Playback(Component):
         prefix = f"{component}."
         with open_run(folder) as run:
             self._tick = 1 / run.base_rate
+            self._start = run.span[0]
             signals = {name: s for name, s in run.signals.items() if name.startswith(prefix)}
             texts = {name: t for name, t in run.texts.items() if name.startswith(prefix)}
             if not signals and not texts:
@@ -100,8 +102,8 @@ class Playback(Component):
 
     @property
     def files(self) -> Sequence[Path]:
-        """The record that is played."""
-        return (self._folder / RUN_FILE,)
+        """The record that is played, its texts included."""
+        return tuple(files_of(self._folder))
 
     def bind_texts(self, inputs: Mapping[str, TextCells], outputs: Mapping[str, TextCells]) -> None:
         """Keep the outputs' views."""
@@ -113,13 +115,19 @@ class Playback(Component):
         """Take the outputs' cells.
 
         Raises:
-            InputError: the run was recorded with another tick.
+            InputError: the run was recorded with another tick, or from another time on.
         """
         tick = setup.tick[0] / setup.tick[1]
         if tick != float(self._tick):
             raise InputError(
                 f"{setup.name}: {self._folder} was recorded with a base tick of "
                 f"{float(self._tick):g} s; this scenario has {tick:g} s"
+            )
+        if setup.start_time != self._start:
+            raise InputError(
+                f"{setup.name}: {self._folder} was recorded from {self._start:.10g} s on and this "
+                f"scenario starts at {setup.start_time:.10g} s; it is played tick by tick, so "
+                f"write start_time: {self._start:.10g}"
             )
         self._name = setup.name
         self._targets = [
@@ -171,6 +179,12 @@ def _has_holes(values: Values) -> bool:
     return values.dtype.kind == "f" and bool(np.isnan(values).any())
 
 
+def files_of(folder: Path) -> list[Path]:
+    """The files of a run's folder that have what it recorded."""
+    texts = [folder / name for name in (TEXTS_FILE, JOURNAL_FILE)]
+    return [folder / RUN_FILE, *(file for file in texts if file.is_file())]
+
+
 def play(written: Written) -> Playback:
     """The component that a scenario plays back.
 
@@ -184,7 +198,7 @@ def play(written: Written) -> Playback:
 def records_of(scenario: Scenario) -> list[Path]:
     """The records that a scenario plays back."""
     played = (part for part in scenario.components.values() if part.kind is Kind.PLAYBACK)
-    return [Path(part.source) / RUN_FILE for part in played]
+    return [file for part in played for file in files_of(Path(part.source))]
 
 
 KINDS = {Kind.PLAYBACK: play}

@@ -55,7 +55,7 @@ def read_poses(run: Run, scene: Mapping[str, Any], ticks: Sequence[int]) -> Pose
 
 
 def frame_ticks(run: Run, start: Fraction, until: Fraction, step: Fraction) -> list[int]:
-    """The tick at or before each frame, ``step`` seconds apart."""
+    """The tick at or before each frame, ``step`` seconds apart; times count from 0."""
     count = int((until - start) / step) + 1
-    last = run.ticks - 1
-    return [min(last, int((start + number * step) * run.base_rate)) for number in range(count)]
+    moments = ((start + number * step) * run.base_rate for number in range(count))
+    return [min(run.ticks - 1, int(moment) - run.start_tick) for moment in moments]

@@ -202,7 +202,8 @@ def measure(
     run: Run, target: Target, first: int, last: int, frequency: float | None = None
 ) -> Window:
     """Take a target over ticks ``first`` <= tick < ``last``, piece by piece."""
-    window = Window(frequency, middle=(first + last) / 2 / float(run.base_rate))
+    middle = run.start_tick + (first + last) / 2
+    window = Window(frequency, middle=middle / float(run.base_rate))
     for ticks, values in blocks(run, target, first, last):
         window.update(run.seconds(ticks), values.astype(np.float64, copy=False))
     return window

@@ -229,7 +229,7 @@ Instant = Annotated[
     _schema(
         {"type": "number", "minimum": 0},
         _text(f"(ticks?|{_SECONDS})?"),
-        description="A time since the start: seconds, '64 ticks', or with a unit.",
+        description="The model's time: seconds, or with a unit; or '64 ticks' since the start.",
     ),
 ]
 Packet = Annotated[

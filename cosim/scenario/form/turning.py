@@ -20,7 +20,9 @@ class KnobForm(Form):
 class EventForm(Form):
     """What is turned at one instant."""
 
-    at: Instant = Field(description="When: seconds since the start, or base ticks ('64 ticks').")
+    at: Instant = Field(
+        description="When: the model's time (s), or base ticks since the start ('64 ticks')."
+    )
     set_: dict[SignalName, Given] = Field(
         alias="set", min_length=1, description="The new values: `component.parameter`, `lan.delay`."
     )

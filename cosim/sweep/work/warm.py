@@ -160,11 +160,12 @@ class Warm:
 
     def _run_of(self, sink: MemorySink, ticks: int) -> Run:
         """The rows as a run; where all are there, they lie where those of the run before did."""
-        whole = self._next.scenario.ticks
+        scenario = self._next.scenario
+        whole, ending = scenario.ticks, {"exit": {"ticks": ticks}}
         if ticks < whole:
-            return run_in_memory(sink, {"exit": {"ticks": ticks}})
+            return run_in_memory(sink, ending, scenario.start_tick)
         if whole not in self._runs:
-            self._runs[whole] = run_in_memory(sink, {"exit": {"ticks": ticks}})
+            self._runs[whole] = run_in_memory(sink, ending, scenario.start_tick)
         return self._runs[whole]
 
     def _found(self, judged: Judged) -> tuple[dict[str, float], dict[str, bool]]:
@@ -193,12 +194,14 @@ def _tick_of(text: str | None, scenario: Scenario) -> int | None:
     if text is None:
         return None
     try:
-        tick = quantity(text, "s") * scenario.base_rate
+        tick = quantity(text, "s") * scenario.base_rate - scenario.start_tick
     except QuantityError as error:
         raise InputError(f"start: {error}") from None
     if tick.denominator != 1 or not 0 < tick < scenario.ticks:
+        since = f" from {float(scenario.start_time):g} s on" if scenario.start_tick else ""
         raise InputError(
             f"start: {text} is no base tick within the run, which goes on for "
-            f"{float(scenario.duration):g} s at {float(scenario.base_rate):g} ticks a second."
+            f"{float(scenario.duration):g} s{since} at {float(scenario.base_rate):g} ticks "
+            "a second."
         )
     return int(tick)
