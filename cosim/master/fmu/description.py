@@ -48,8 +48,10 @@ class FmuDescription:
     """The step (s) that an FMU which cannot vary its step was made for."""
     step_size: Fraction | None
     """The step (s) that the FMU suggests, by its default experiment or its own steps."""
+    start_time: Fraction | None
+    """When its default experiment begins (s)."""
     stop_time: Fraction | None
-    """How long (s) its default experiment lasts."""
+    """When its default experiment ends (s)."""
     once_per_process: bool
     breaks: tuple[str, ...]
     """Rules of the standard that the description breaks, and with which it can be used."""

@@ -15,7 +15,7 @@ from cosim.master.fmu.description import FmuDescription
 
 _VARIABLE = tuple(field.name for field in fields(Variable))
 _UNIT = tuple(field.name for field in fields(Unit))
-_TIMES = ("fixed_step", "step_size", "stop_time")
+_TIMES = ("fixed_step", "step_size", "start_time", "stop_time")
 _OWN = ("path", "folder", "variables", "at_events", "events", "units", *_TIMES)
 _PLAIN = frozenset(_OWN)
 """Fields that need a form of their own; the others are plain values."""

@@ -72,6 +72,44 @@ def test_without_options_the_default_experiment_says_how_long(here: Path) -> Non
         assert run.ticks == 2
 
 
+@pytest.mark.parametrize(
+    ("experiment", "more", "times"),
+    [
+        ('startTime="1.5" stopTime="2" stepSize="0.125"', (), (1.5, 2.0)),
+        ('startTime="1.5" stopTime="2" stepSize="0.125"', ("--stop-time", "3"), (1.5, 3.0)),
+        ('startTime="1.5" stopTime="2"', (), (1.5, 2.0)),
+        ('startTime="0.7" stopTime="4.3"', (), (0.7, 4.3)),
+        ('startTime="-1" stopTime="1" stepSize="0.125"', ("--set", "start_time=0"), (0.0, 2.0)),
+    ],
+)
+def test_it_begins_where_the_default_experiment_says(
+    here: Path, experiment: str, more: tuple[str, ...], times: tuple[float, float]
+) -> None:
+    """The FMU is told so, too."""
+    snippet = """
+        static int hook(Foreign *m, const char *call)
+        {
+            if (is(call, "DoStep"))
+                m->real[1] = m->time;
+            return 0;
+        }
+        #define HOOK hook
+    """
+    fmu = foreign_fmu(
+        here,
+        3,
+        scalar(3, "begun", 1, causality="output"),
+        before=f"<DefaultExperiment {experiment}/>",
+        structure='<Output valueReference="1" dependencies=""/>',
+        snippet=snippet,
+    )
+    done = run_alone(here, fmu, *more)
+    assert done.exit_code == 0, done.output
+    with open_run(here / "out") as run:
+        assert run.span == pytest.approx(times)
+        assert run["foreign.begun"].values[1] == pytest.approx(times[0])
+
+
 def test_what_is_missing_or_for_scenarios_is_said(here: Path) -> None:
     fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0"))
     done = run_alone(here, fmu)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from cosim.record.reader import open_run
 from fmus.archive import FLAVOURS
 from fmus.builder import FOLDER
 from fmus.compiler import PLATFORMS
@@ -59,6 +60,39 @@ def test_it_works_outside_the_checkout(wheel: Path, tmp_path: Path) -> None:
     )
     place = tmp_path / "site" / "fmus" / "_built" / "pantograph.fmi2.fmu"
     assert result.stdout.split() == ["False", str(place)]
+
+
+def test_a_model_of_ones_own_is_built_judged_and_run_with_it(wheel: Path, tmp_path: Path) -> None:
+    """In an empty folder, where there is no checkout; also as the folder of an unpacked archive."""
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "site")
+    here = tmp_path / "empty"
+    here.mkdir()
+
+    def cohaptic(*words: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", "from cosim.cli import main; main()", *words],
+            cwd=here,
+            env=os.environ | {"PYTHONPATH": str(tmp_path / "site")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    cohaptic("fmu", "new", "ball")
+    cohaptic("fmu", "build", "ball", "--out", "made")
+    assert "starts and ends" in cohaptic("fmu", "validate", "made/ball.fmi3.fmu")
+    with zipfile.ZipFile(here / "made" / "ball.fmi2.fmu") as archive:
+        archive.extractall(here / "unpacked")
+    found = []
+    for given in ("made/ball.fmi2.fmu", "unpacked"):
+        cohaptic("run", given, "--stop-time", "1", "--out", f"run{len(found)}", "--no-figure")
+        with open_run(here / f"run{len(found)}") as run:
+            found.append([signal.values.tolist() for signal in run.signals.values()])
+    assert found[0] == found[1]
+    assert found[0]
 
 
 def test_it_installs_one_public_package_and_brings_the_scenarios(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fractions import Fraction
+from math import ceil, gcd, lcm
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,8 @@ def scenario_of_fmu(
 ) -> Scenario:
     """A scenario with the FMU as its only component.
 
-    Stop time and step come from the FMU's default experiment where they are not given. A name in
+    Its default experiment says when it starts, and when it stops and in which steps where that is
+    not given. A name in
     ``sets`` that is one of the FMU's variables is a parameter or a start value of it.
 
     Raises:
@@ -47,16 +49,24 @@ def scenario_of_fmu(
 
     path = Path(given).expanduser().absolute()
     description = read_description(path)
-    duration = _duration(description, path, stop_time)
+    start = description.start_time or Fraction(0)
+    duration = _stop(description, path, stop_time) - start
+    if duration <= 0:
+        raise InputError(
+            f"the FMU {path} starts at {float(start):g} s (its default experiment) and would "
+            f"stop at {float(start + duration):g} s; give a later --stop-time, or "
+            "--set start_time=0"
+        )
     step = seconds(step_size, "--step-size") if step_size is not None else description.step_size
     if step is None:
-        step = duration / _STEPS
+        step = _step(start, duration)
     name = re.sub(r"\W", "_", path.stem).lstrip("_0123456789") or "model"
     document = {
         "cohaptic": 1,
         "name": name,
         "title": f"{path.name} alone",
         "duration": str(duration),
+        **({"start_time": str(start)} if start else {}),
         "components": {name: {"fmu": str(path), "rate": str(1 / step), "feedthrough": True}},
     }
     root = parse_yaml(write_yaml(document), str(path), has_lines=False)
@@ -64,7 +74,14 @@ def scenario_of_fmu(
     return Written(path, root, FORMS).changed(changed).built()
 
 
-def _duration(description: FmuDescription, path: Path, stop_time: str | None) -> Fraction:
+def _step(start: Fraction, duration: Fraction) -> Fraction:
+    """About as many as ``_STEPS``, of which both times are whole numbers."""
+    both = lcm(start.denominator, duration.denominator)
+    shared = Fraction(gcd(int(start * both), int(duration * both)), both)
+    return shared / max(1, ceil(shared * _STEPS / duration))
+
+
+def _stop(description: FmuDescription, path: Path, stop_time: str | None) -> Fraction:
     if stop_time is not None:
         return seconds(stop_time, "--stop-time")
     if description.stop_time is None:

@@ -36,7 +36,10 @@ def judge(path: Path) -> StartVerdict:
 
     description = read_description(path.absolute())
     try:
-        scenario = scenario_of_fmu(str(path), stop_time="1", step_size=None, sets=())
+        stop = repr(max(0.0, float(description.start_time or 0)) + 1)
+        scenario = scenario_of_fmu(
+            str(path), stop_time=stop, step_size=None, sets=("start_time=0",)
+        )
         try_to_start(assemble(scenario))
     except InputError as error:
         return StartVerdict(description.breaks, error.message)

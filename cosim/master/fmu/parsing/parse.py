@@ -106,6 +106,7 @@ def parse_description(
         fixed_step=_fixed_step(description),
         step_size=_time(experiment.stepSize if experiment else None)
         or _time(interface.fixedInternalStepSize),
+        start_time=_instant(experiment.startTime if experiment else None),
         stop_time=_time(experiment.stopTime if experiment else None),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         breaks=breaks,
@@ -185,11 +186,20 @@ def _fixed_step(description: Any) -> Fraction | None:
     return _time(interface.fixedInternalStepSize or (experiment.stepSize if experiment else None))
 
 
+def _instant(text: Any) -> Fraction | None:
+    """A time (s), which may lie before 0, where there is one."""
+    if text is None or not math.isfinite(float(text)):
+        return None
+    return _meant(Fraction(str(text)))
+
+
 def _time(text: Any) -> Fraction | None:
     """A time above 0 (s), where there is one."""
-    if text is None or not 0 < float(text) < math.inf:
-        return None
-    exact = Fraction(str(text))
+    found = _instant(text)
+    return found if found is not None and found > 0 else None
+
+
+def _meant(exact: Fraction) -> Fraction:
+    """0.3333333333 was written for 1/3; an exact value stays what it is."""
     near = exact.limit_denominator(1_000_000)
-    # 0.3333333333 was written for 1/3; an exact value stays what it is.
     return near if abs(near - exact) <= abs(exact) * Fraction(1, 10**9) else exact
