@@ -29,6 +29,9 @@ def run(
 ) -> Finished:
     """Run a scenario into a folder: ``out``, or the next free ``runs/<scenario>-<n>``.
 
+    It runs in this process: an FMU that calls ``exit`` ends it with a sentence and status 1, one
+    that crashes without a word, unless its component says ``isolate: process``.
+
     Args:
         scenario: a name, a file, or what ``load`` and ``edit`` return.
         out: the folder, new or empty.
@@ -72,6 +75,7 @@ def resume(
 
     From the snapshot of that time where there is one, else everything is computed again from tick
     0. ``duration`` may differ from the earlier run's.
+    It runs in this process, as ``run`` does.
 
     Raises:
         InputError: there is no such run or time, or it cannot be gone on from.

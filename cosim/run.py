@@ -117,8 +117,9 @@ def run_scenario(
     ``judge`` looks at devices before anything begins; ``say`` hears what is probably not meant.
     ``watcher`` is told how far the run is.
 
-    Everything happens in this process: an FMU that calls ``exit`` ends it, whatever the status; the
-    commands run simulations in a child (``cosim.cli.support.run.child``).
+    Everything happens in this process: an FMU that calls ``exit`` ends it, with a sentence and
+    status 1, and one that crashes without a word; the commands run simulations in a child
+    (``cosim.cli.support.run.child``).
 
     Raises:
         InputError: the scenario, an FMU, an expectation or ``out`` cannot be used; no folder is
@@ -292,7 +293,7 @@ def _message(outcome: Outcome, error: CohapticError | None, scenario: Scenario) 
     if error is not None:
         return str(error)
     if outcome.interrupted:
-        reached = float(outcome.ticks / scenario.base_rate)
+        reached = float((scenario.start_tick + outcome.ticks) / scenario.base_rate)
         return (
             f"Interrupted at tick {outcome.ticks} of {scenario.ticks} (t = {reached:g} s); "
             "the record holds everything before."

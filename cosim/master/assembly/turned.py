@@ -197,7 +197,7 @@ class _Reader:
         participant = self.knobs.participants[component]
         described = participant.interface.variables[variable]
         items = (described.items or {}).values()
-        least, most = (min(items), max(items)) if items else (described.minimum, described.maximum)
+        least, most = (min(items), max(items)) if items else _limits(described)
         return Knob(
             variable=described,
             period=participant.period,
@@ -229,6 +229,16 @@ class _Reader:
             maximum=1.0 if is_share else start,
             is_bounded=is_share,
         )
+
+
+def _limits(variable: Variable) -> tuple[float | None, float | None]:
+    """What it declares, within what its type can hold."""
+    least, most = variable.minimum, variable.maximum
+    if variable.type.limits is not None:
+        low, high = variable.type.limits
+        least = low if least is None else max(least, low)
+        most = high if most is None else min(most, high)
+    return least, most
 
 
 def _packet_period(scenario: Scenario, channel: Channel) -> int:

@@ -2,7 +2,7 @@
 
 Handlers of faults (SIGSEGV and the like) are left to whoever set them: a runtime that an FMU brings
 along, such as a virtual machine, may live on them. How the processor computes is put back by the
-kernel after each call (``kernel/sources/float_mode.c``), and here for the calls outside of it.
+kernel after each call (``kernel/sources/process.c``), and here for the calls outside of it.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from typing import Any
 from cosim.base.errors import RunError
 from cosim.master.kernel.fmu_structures import LogStruct
 
-ABI = 9
+ABI = 10
 
 
 @cache
@@ -49,6 +49,7 @@ def library() -> Any:
     kernel.kernel_float_mode.restype = c_int64
     kernel.kernel_restore_float_mode.argtypes = (c_int64,)
     kernel.kernel_restore_float_mode.restype = c_int64
+    kernel.kernel_on_leaving.argtypes, kernel.kernel_on_leaving.restype = (c_void_p,), c_void_p
     kernel.kernel_isolated.argtypes = (c_int64, c_int64, c_int64)
     kernel.kernel_isolated.restype = c_void_p
     kernel.kernel_isolated_ask.argtypes = (c_void_p,)

@@ -49,10 +49,17 @@ def assemble(
 
 
 class Simulation:
-    """One run of a scenario; a context manager that closes every component on every exit path."""
+    """One run of a scenario; a context manager that closes every component on every exit path.
+
+    FMUs run in this process, unless their component says ``isolate: process``. What one of somebody
+    else changes of it (working directory, locale, floating point mode, signal handlers) is put back
+    after each call of a method, and one that calls ``exit`` ends it with a sentence and status 1. A
+    crash, ``abort`` and ``_exit`` end it without a word: the commands run simulations in a child.
+    """
 
     def __init__(self, assembly: Assembly, whereabouts: Whereabouts | None = None) -> None:
         self._whereabouts = whereabouts or Whereabouts()
+        self._whereabouts.is_watched = whereabouts is not None
         self.program = Program(
             assembly.parts,
             assembly.wiring,
@@ -223,7 +230,10 @@ class Simulation:
     def advance(self, tick: int, sink: Sink | None = None) -> None:
         """Run on to a tick, after ``start``; ``sink`` has begun.
 
+        In this process, as all of this class.
+
         Raises:
+            EndAsked: a model has come to its end, which is a good one.
             RunError: an FMU returned an error status, put out NaN, or a component failed.
         """
         self._cycle.kernel_run.run_to(tick, sink)

@@ -58,6 +58,8 @@ class Whereabouts:
         self._memory = mmap.mmap(file, SPAN, offset=number * SPAN)
         self._logs = memoryview(self._memory)[_STATE_BYTES:]
         self._foreign: tuple[Scenario | None, dict[str, int]] = (None, {})
+        self.is_watched = False
+        """Whether another process will tell how this one has ended."""
         self.kernel: Any = KernelStruct.from_buffer(self._memory, _NOTE_BYTES)
 
     def note(self, component: str, call: str) -> None:

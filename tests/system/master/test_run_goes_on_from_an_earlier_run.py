@@ -10,6 +10,7 @@ import pytest
 
 from cosim.record.digest import digest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, open_run
+from tests.support.fmus.foreign import foreign_fmu, scalar
 
 SCENARIO = "single_axis_distributed"
 
@@ -101,3 +102,56 @@ def test_what_does_not_go_together(
     assert done.returncode == 2, done.stderr
     assert sentence in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+DIES = """
+    void exit(int);
+    static int hook(Foreign *m, const char *call)
+    {
+        if (is(call, "%s") && (m->time > 2.5 || is(call, "Terminate")))
+            exit(0);
+        return 0;
+    }
+    #define HOOK hook
+    EXPORT int fmi3GetFMUState(Foreign *m, void **state) { *state = m; return 0; }
+    EXPORT int fmi3SetFMUState(Foreign *m, void *state) { return 0; }
+    EXPORT int fmi3FreeFMUState(Foreign *m, void **state) { *state = 0; return 0; }
+    EXPORT int fmi3SerializedFMUStateSize(Foreign *m, void *state, size_t *size)
+    { *size = 8; return 0; }
+    EXPORT int fmi3SerializeFMUState(Foreign *m, void *state, char *bytes, size_t size)
+    { return 0; }
+    EXPORT int fmi3DeserializeFMUState(Foreign *m, const char *bytes, size_t size, void **state)
+    { *state = m; return 0; }
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the sentences are Linux's")
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("Terminate", "in fmi3Terminate at tick 8 (8 s); the record is complete"),
+        ("DoStep", "in its step at tick 3 (3 s); what was written before is kept"),
+    ],
+)
+def test_an_fmu_that_dies_after_a_snapshot_is_told_of_as_ever(
+    tmp_path: Path, call: str, said: str
+) -> None:
+    """The record is finished before FMUs are freed, and the calls for the state are over."""
+    fmu = foreign_fmu(
+        tmp_path,
+        3,
+        scalar(3, "u", 1, causality="input", start="0"),
+        snippet=DIES % call,
+        interface={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    )
+    scenario = tmp_path / "s.yaml"
+    scenario.write_text(
+        f"cohaptic: 1\nduration: 8\nbase_rate: 1\ncomponents: {{box: {{fmu: {fmu}, rate: 1}}}}\n"
+        "record: [box.u]\n"
+    )
+    done = cohaptic(scenario, "--snapshot", "2 s", "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert f"box ended the process (exit status 0) {said}" in done.stderr
+    assert (tmp_path / "out" / "snapshot-2").is_file()
+    with open_run(tmp_path / "out") as run:
+        assert run.ticks == 8 if "complete" in said else run.ticks <= 3

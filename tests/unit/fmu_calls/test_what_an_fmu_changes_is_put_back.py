@@ -76,6 +76,53 @@ def test_after_any_call_the_process_is_as_it_was(
             assert any(what in text and "was put back" in text for text in said), said
 
 
+STATEFUL = (
+    SNIPPET
+    + """
+    static int lives(Foreign *m, const char *call) {{ return hook(m, call); }}
+    EXPORT int fmi3GetFMUState(Foreign *m, void **state) {{ *state = m; return lives(m, "Get"); }}
+    EXPORT int fmi3SetFMUState(Foreign *m, void *state) {{ return lives(m, "Put"); }}
+    EXPORT int fmi3FreeFMUState(Foreign *m, void **state) {{ *state = 0; return 0; }}
+    EXPORT int fmi3SerializedFMUStateSize(Foreign *m, void *state, size_t *size)
+    {{ *size = 8; return 0; }}
+    EXPORT int fmi3SerializeFMUState(Foreign *m, void *state, char *bytes, size_t size)
+    {{ return 0; }}
+    EXPORT int fmi3DeserializeFMUState(Foreign *m, const char *bytes, size_t size, void **state)
+    {{ *state = m; return 0; }}
+"""
+)
+
+
+@pytest.mark.parametrize("call", ["DoStep", "Get", "Put"])
+def test_so_it_is_where_runs_are_led_by_hand(tmp_path: Path, call: str, plain_locale: None) -> None:
+    """Run on, saved and put back by the methods of a simulation."""
+    path = foreign_fmu(
+        tmp_path,
+        3,
+        scalar(3, "y", 1, causality="output"),
+        structure='<Output valueReference="1" dependencies=""/>',
+        snippet=STATEFUL.format(call=call),
+        interface={"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"},
+    )
+    written = {"duration": 0.1, "components": {"it": {"fmu": str(path), "rate": 100}}}
+    here = Path.cwd()
+    with assemble(scenario_of(tmp_path, written)) as simulation:
+        simulation.start()
+        if call == "Get":
+            simulation.snapshot()
+        elif call == "Put":
+            simulation.restore(simulation.snapshot())
+        else:
+            simulation.advance(3)
+        said = [str(each) for each in simulation.fmus["it"].said()]
+        assert any("working directory" in each for each in said), said
+        assert Path.cwd() == here
+        assert locale.setlocale(locale.LC_ALL) == "C"
+        assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == set()
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+
+
 def test_an_fmu_that_changes_nothing_is_said_nothing_of(tmp_path: Path) -> None:
     path = foreign_fmu(tmp_path, 3, scalar(3, "u", 1, causality="input", start="0"))
     written = {"duration": 1, "components": {"it": {"fmu": str(path), "rate": 100}}}

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 9 };
+enum { KERNEL_ABI = 10 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -336,6 +336,8 @@ EXPORT int64_t link_admit(const Admission *admission, const double *values, int6
 EXPORT int64_t kernel_first_nan(const double *cells, const int64_t *which, int64_t count);
 EXPORT int64_t kernel_float_mode(void);
 EXPORT int64_t kernel_restore_float_mode(int64_t mode);
+EXPORT void *kernel_on_leaving(void (*say)(void));
+EXPORT void kernel_leaving(void *unused);
 EXPORT uint64_t kernel_checksum(const uint64_t *words, int64_t count);
 EXPORT void *kernel_isolated(int64_t version, int64_t type, int64_t is_set);
 EXPORT int32_t kernel_isolated_ask(Isolation *own);

@@ -19,6 +19,7 @@ from cosim.master.fmu.loaded.conduct import AFTER_FATAL, status_word
 from cosim.master.fmu.log import Said
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.fmu.surroundings import Surroundings
+from cosim.master.run.leaving import told_of
 from cosim.master.run.restart import Restart, Times
 from cosim.master.run.whereabouts import Whereabouts
 
@@ -113,6 +114,11 @@ class RunningFmus:
         with self._whereabouts.aside():
             self._let_go(list(self.all))
 
+    @property
+    def guarded(self) -> AbstractContextManager[None]:
+        """``guarding`` all of them."""
+        return self.guarding(*self.all.values())
+
     def guarding(self, *fmus: Fmu) -> AbstractContextManager[None]:
         """Put back what foreign FMUs, one of these, change of what belongs to the process.
 
@@ -126,17 +132,30 @@ class RunningFmus:
     def _guard(self, *fmus: Fmu) -> Generator[None]:
         foreign = [fmu for fmu in fmus if not fmu.is_trusted]
         before = Surroundings() if foreign else None
+        is_told = bool(foreign) and not self._whereabouts.is_watched
         try:
-            yield
+            with told_of(self._left) if is_told else _UNGUARDED:
+                yield
         except ProcessEnded as ended:
             component, doing = self._whereabouts.sentence(self.assembly.scenario)
             self.all[component].judge(GONE)
             reason = self.all[component].reason()
             raise RunError(f"{component} {ended.manner} {doing}{reason}") from None
         finally:
+            self._whereabouts.clear()
             for what in before.put_back() if before is not None else ():
                 for fmu in foreign:
                     fmu.disturbed(what if len(foreign) == 1 else f"{what} (or another FMU did)")
+
+    def _left(self) -> str:
+        """The sentence of a process that is ended by ``exit`` inside of a run."""
+        scenario = self.assembly.scenario
+        component, doing = self._whereabouts.sentence(scenario)
+        reason = self._whereabouts.log(component, scenario).reason() if component else ""
+        return (
+            f"{component or 'the run'} ended this process by exit() {doing}{reason}; its status "
+            "is 1. With 'isolate: process' such an FMU ends a process of its own."
+        )
 
     def _times(self, end: int) -> Times:
         """When the run of each FMU begins and ends (s)."""

@@ -83,7 +83,7 @@ class KernelRun:
         """Run up to a tick, as ``run_chunk`` does."""
         self.fmus.refuse_lost()
         kernel = self.program.kernel
-        with self.fmus.guarding(*self.fmus.all.values()):
+        with self.fmus.guarded:
             while kernel.tick < tick:
                 self.run_chunk(kernel.tick, min(tick, kernel.tick + LONGEST_CHUNK), sink)
 

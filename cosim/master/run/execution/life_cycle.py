@@ -42,7 +42,7 @@ class LifeCycle:
 
     def guarding(self) -> AbstractContextManager[None]:
         """Protect the process while FMUs are called; see ``RunningFmus.guarding``."""
-        return self.fmus.guarding(*self.fmus.all.values())
+        return self.fmus.guarded
 
     def start(self, end: int, told: Told, *, recorded: bool, rehearsal: bool) -> None:
         """Have everything at tick 0 of a run that ends at tick ``end``.

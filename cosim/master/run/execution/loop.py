@@ -67,7 +67,6 @@ class ChunkedLoop:
             EndAsked, RunError: as ``KernelRun.run_chunk``.
         """
         kernel = run.program.kernel
-        foreign = [fmu for fmu in run.fmus.all.values() if not fmu.is_trusted]
         stops = sorted(tick for tick in pauses if kernel.tick <= tick <= end)
         told = began = time.perf_counter()
         try:
@@ -77,7 +76,7 @@ class ChunkedLoop:
                 first = kernel.tick
                 stop = min(end, first + self._chunk, *stops[:1])
                 before = time.perf_counter()
-                with run.fmus.guarding(*foreign):
+                with run.fmus.guarded:
                     run.run_chunk(first, stop, sink)
                 now = time.perf_counter()
                 self._learn(now - before)
@@ -95,10 +94,9 @@ class ChunkedLoop:
         Raises:
             EndAsked, RunError: as ``KernelRun.run_chunk``.
         """
-        foreign = [fmu for fmu in run.fmus.all.values() if not fmu.is_trusted]
         began = time.perf_counter()
         try:
-            with run.fmus.guarding(*foreign):
+            with run.fmus.guarded:
                 stop = drive(run.program, run.components, run.groups, sink, end=end, wish=wish)
                 run.raise_unless_done(stop)
         finally:

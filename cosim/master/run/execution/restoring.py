@@ -23,7 +23,7 @@ def put_back(run: KernelRun, snapshot: Snapshot, *, end: int) -> None:
             "be repeated from tick 0: restore the snapshot before the run starts."
         )
     _refuse_beyond(snapshot, end)
-    with run.fmus.guarding(*run.fmus.all.values()):
+    with run.fmus.guarded:
         checkpoint.put_back(snapshot, run.program, run.fmus.all, run.components)
 
 

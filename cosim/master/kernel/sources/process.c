@@ -1,5 +1,6 @@
-/* How the processor computes: rounding, denormals, traps. An FMU may change it; whoever called puts
-   it back, so that neither our own arithmetic nor another FMU's depends on that. */
+/* What an FMU may do to its process. How the processor computes (rounding, denormals, traps) is put
+   back by whoever called, so that neither our own arithmetic nor another FMU's depends on it. The
+   end of the process by exit() is told. */
 
 #include "kernel.h"
 
@@ -55,4 +56,24 @@ EXPORT int64_t kernel_restore_float_mode(int64_t mode)
         return 0;
     set_mode(mode);
     return 1;
+}
+
+static void (*said)(void);
+
+/* What is called when the process ends by exit(), and before that what was to be; 0: nothing. */
+EXPORT void *kernel_on_leaving(void (*say)(void))
+{
+    void (*before)(void) = said;
+    said = say;
+    return (void *)before;
+}
+
+/* For the C library's list of what is called then. */
+EXPORT void kernel_leaving(void *unused)
+{
+    void (*say)(void) = said;
+    (void)unused;
+    said = 0;
+    if (say)
+        say();
 }
