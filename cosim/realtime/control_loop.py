@@ -23,6 +23,7 @@ from cosim.realtime.pacing import Pacer
 from cosim.realtime.relay import RelaySink
 from cosim.realtime.ring import Ring
 from cosim.realtime.signals import Ear
+from cosim.realtime.text_ring import TextRing
 from cosim.realtime.usage import Usage
 
 
@@ -63,6 +64,7 @@ class ControlLoop:
     def run(
         self,
         rings: Sequence[Ring],
+        texts: TextRing | None,
         feed: Feed,
         open_devices: Callable[[], Generator[Supervised]],
         devices: Callable[[], Sequence[Supervised]],
@@ -85,7 +87,9 @@ class ControlLoop:
         status = 0
         try:
             report.outcome = self._simulation.run(
-                RelaySink(rings), drive=paced(watched), keep_fmus=True
+                RelaySink(rings, self._simulation.groups, texts),
+                drive=paced(watched),
+                keep_fmus=True,
             )
         except CohapticError as error:
             status = error.exit_status
@@ -100,6 +104,7 @@ class ControlLoop:
         report.deadlines = {**self._pacer.summary(), **watched.usage.summary()}
         report.latency = {device.name: device.latency_ticks for device in present}
         report.slow = [said for device in present if (said := device.slowness) is not None]
+        report.texts = [] if texts is None else texts.rest()
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
         self._simulation.close()  # an FMU that dies of it finds everything told

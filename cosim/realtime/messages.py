@@ -12,6 +12,7 @@ from typing import Any
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.system.grants import Grant
 from cosim.master.run.outcome import Outcome
+from cosim.realtime.text_ring import Change
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,8 @@ class LoopReport:
     latency: dict[str, int] = field(default_factory=dict[str, int])
     """By device: ticks that its measurements are older than the FMU's."""
     facts: Mapping[str, Any] | None = None
+    texts: list[Change] = field(default_factory=list[Change])
+    """The last changes of texts for which there was no room in their ring."""
 
 
 def as_told(error: CohapticError) -> InputError | RunError:

@@ -27,7 +27,7 @@ from cosim.realtime.control_loop import ControlLoop, LoopPacer
 from cosim.realtime.leftovers import remove_leftovers
 from cosim.realtime.live import Feed, shared_folder
 from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
-from cosim.realtime.relay import RelayPump, make_rings, refuse_texts
+from cosim.realtime.relay import RelayPump, make_rings, make_text_ring
 from cosim.realtime.ring import Ring
 from cosim.realtime.signals import Ear, blocked, heard_by
 from cosim.realtime.supervisor import STALL_SECONDS, supervise
@@ -59,6 +59,8 @@ class PacedRun:
     pulse: Pulse = field(default_factory=Pulse)
     lost_rows: int = 0
     """Rows that came too fast for the recorder."""
+    lost_texts: int = 0
+    """Changes of texts that did."""
     _devices: dict[str, Supervised] = field(default_factory=dict[str, Supervised])
     """Those that are open in this process, by component."""
     _reached: int = 0
@@ -77,7 +79,7 @@ class PacedRun:
         """
         if not hasattr(os, "fork"):
             raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
-        refuse_texts(simulation.groups)
+        simulation.whereabouts.is_watched = True  # the loop's process, by its supervisor
         run = _Run(self, simulation, self.pulse)
         with ExitStack() as stack:
             stack.callback(run.let_go)
@@ -90,6 +92,8 @@ class PacedRun:
             for ring in run.rings:
                 stack.callback(ring.remove)
             stack.callback(run.feed.remove)
+            if run.texts is not None:
+                stack.callback(run.texts.remove)
             killed = run.record(recorder, progress)
         self._conclude(simulation, killed, run)
 
@@ -102,6 +106,7 @@ class PacedRun:
             **self.report.deadlines,
             "system": grants,
             "lost_rows": self.lost_rows,
+            "lost_texts": self.lost_texts,
             "slow_devices": self.report.slow,
             "latency_ticks": self.report.latency,
         }
@@ -162,6 +167,11 @@ class PacedRun:
             self.say(sentence)
         if self.lost_rows:
             self.say(f"the recorder was too slow for {self.lost_rows} rows: they are held values")
+        if self.lost_texts:
+            self.say(
+                f"the recorder was too slow for {self.lost_texts} changes of texts: others "
+                "followed them at once"
+            )
         if not sentences and not unsure:
             return
         if isinstance(error, InputError) and not unsure:
@@ -204,6 +214,7 @@ class _Run:
         self._number = {name: number for number, name in enumerate(self._parts)}
         self._rate: Fraction = simulation.scenario.base_rate
         self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
+        self.texts = make_text_ring(simulation.groups)
         self._more = paced.about(simulation) if paced.about is not None else None
         self.feed = Feed(
             simulation.scenario.name,
@@ -317,7 +328,7 @@ class _Run:
                 groups = self._simulation.groups
                 recorder.begin(groups, self._rate)
                 self.feed.publish(groups, getattr(recorder, "folder", None), self._more)
-                pumps.append(RelayPump(self.rings, groups, recorder))
+                pumps.append(RelayPump(self.rings, groups, recorder, self.texts))
             paced.take(message)
 
         def now_and_then() -> None:
@@ -326,6 +337,7 @@ class _Run:
             for pump in pumps:
                 reached = paced.reach(min(pump.pump(), self._simulation.scenario.ticks))
                 paced.lost_rows = pump.lost
+                paced.lost_texts = pump.skipped
                 if progress is not None:
                     progress(reached, time.perf_counter() - began)
 
@@ -343,6 +355,8 @@ class _Run:
         if failed is not None:
             raise failed
         now_and_then()
+        for change in paced.report.texts if pumps and paced.report is not None else ():
+            recorder.put_text(*change)
         return watch.killed
 
     def _supervisor_process(self, tell: int, alive: int) -> NoReturn:
@@ -385,6 +399,7 @@ class _Run:
         )
         return loop.run(
             self.rings,
+            self.texts,
             self.feed,
             lambda: self._opening(shared=False),
             self._in_order,

@@ -1,5 +1,7 @@
 """Recorded rows from the loop's process to the recorder's, through a ring a record group.
 
+Texts go through a ring of their own (``text_ring``).
+
 The loop's side is what the master calls a sink; the recorder's side feeds any other sink. Rows keep
 their bits. A recorder that cannot keep up never holds up the loop: rows that were overwritten
 before they were read are counted, and recorded as held.
@@ -13,9 +15,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.base.errors import InputError
 from cosim.base.recording import RecordGroup, Sink
 from cosim.realtime.ring import Reader, Ring
+from cosim.realtime.text_ring import TextRing
 
 SECONDS = 8.0
 """How far a recorder may fall behind the loop."""
@@ -24,10 +26,16 @@ SECONDS = 8.0
 class RelaySink:
     """The loop's side: one row at a time (a paced loop runs tick by tick)."""
 
-    def __init__(self, rings: Sequence[Ring]) -> None:
+    def __init__(
+        self, rings: Sequence[Ring], groups: Sequence[RecordGroup], texts: TextRing | None = None
+    ) -> None:
         self._put = [ring.put for ring in rings]
-        self._rows = [np.zeros((1, ring.cells), np.int64) for ring in rings]
-        self._cells = [memoryview(rows[0]).cast("B").cast("q") for rows in self._rows]
+        whole = [np.zeros((1, ring.cells), np.int64) for ring in rings]
+        self._cells = [memoryview(rows[0]).cast("B").cast("q") for rows in whole]
+        self._rows = [
+            rows[:, : len(group.columns)] for rows, group in zip(whole, groups, strict=True)
+        ]
+        self._texts = texts
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
         """The recorder knows the groups already."""
@@ -44,33 +52,28 @@ class RelaySink:
         del first_tick
         if rows:
             self._put[group](self._cells[group])
+        if self._texts is not None and self._texts.has_pending:
+            self._texts.flush()
 
     def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
-        """Refused before a paced run begins (``refuse_texts``): a ring has room for numbers."""
-        raise AssertionError(group, column, tick, content)
-
-
-def refuse_texts(groups: Sequence[RecordGroup]) -> None:
-    """Whether a loop in another process can hand over what is recorded.
-
-    Raises:
-        InputError: a text is among it.
-    """
-    for group in groups:
-        for text in group.texts:
-            raise InputError(
-                f"record: {text.name} is a text, and a paced run records numbers alone: they cross "
-                "to the recorder's process in rows of fixed length. Record it in a run without a "
-                "pace, or name the signals to record without it."
-            )
+        """Hand a change on."""
+        assert self._texts is not None, "there is a ring where texts are recorded"
+        self._texts.put(group, column, tick, content)
 
 
 class RelayPump:
     """The recorder's side: call :meth:`pump` until the loop is over, and once more then."""
 
-    def __init__(self, rings: Sequence[Ring], groups: Sequence[RecordGroup], sink: Sink) -> None:
+    def __init__(
+        self,
+        rings: Sequence[Ring],
+        groups: Sequence[RecordGroup],
+        sink: Sink,
+        texts: TextRing | None = None,
+    ) -> None:
         self._readers = [Reader(ring, oldest=True) for ring in rings]
         self._groups, self._sink = groups, sink
+        self._texts = texts
         self._rows = [0] * len(rings)
         self._held = [np.zeros((1, ring.cells), np.int64) for ring in rings]
         self.lost = 0
@@ -90,11 +93,18 @@ class RelayPump:
                 self._held[number] = values[-1:].copy()
                 self._hand_on(number, group, values)
             reached = max(reached, self._rows[number] * group.period)
+        for change in self._texts.read() if self._texts is not None else ():
+            self._sink.put_text(*change)
         return reached
+
+    @property
+    def skipped(self) -> int:
+        """Changes of texts that the recorder was too slow for."""
+        return 0 if self._texts is None else self._texts.skipped
 
     def _hand_on(self, number: int, group: RecordGroup, rows: NDArray[np.int64]) -> None:
         room = self._sink.buffer(number, len(rows))
-        room[:] = rows
+        room[:] = rows[:, : room.shape[1]]
         first = self._rows[number] * group.period
         self._rows[number] += len(rows)
         self._sink.commit(number, first, len(rows))
@@ -105,5 +115,10 @@ def make_rings(groups: Sequence[RecordGroup], rate: Fraction) -> list[Ring]:
     rings: list[Ring] = []
     for group in groups:
         capacity = max(64, int(SECONDS * float(rate) / group.period))
-        rings.append(Ring.create(len(group.columns), capacity))
+        rings.append(Ring.create(max(1, len(group.columns)), capacity))
     return rings
+
+
+def make_text_ring(groups: Sequence[RecordGroup]) -> TextRing | None:
+    """The ring of a scenario's texts, where some are recorded."""
+    return TextRing.create() if any(group.texts for group in groups) else None

@@ -11,8 +11,6 @@ from __future__ import annotations
 import contextlib
 import mmap
 import os
-import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
@@ -20,8 +18,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-if sys.platform != "win32":
-    import fcntl
+from cosim.realtime.shared_file import hold, new_path
 
 _HEAD_CELLS = 8
 _MAGIC = 0x636F68617074
@@ -58,22 +55,14 @@ class Ring:
         """A new ring, in memory where the system has a place for that."""
         in_memory = path is None
         if path is None:
-            shared = Path("/dev/shm")
-            folder = shared if shared.is_dir() else Path(tempfile.gettempdir())
-            path = Path(tempfile.mkstemp(prefix="cohaptic-ring-", dir=folder)[1])
+            path = new_path()
         empty = np.full(_HEAD_CELLS + capacity * (cells + 2), -1, np.int64)
         empty[:4] = (_MAGIC, 0, capacity, cells)
         path.write_bytes(empty.tobytes())
         ring = cls(path)
         if in_memory:
-            ring._hold()
+            ring._held = hold(path)
         return ring
-
-    def _hold(self) -> None:
-        """Keep it from being swept away, for as long as a process of this run lives."""
-        if sys.platform != "win32":
-            self._held = os.open(self.path, os.O_RDONLY)
-            fcntl.flock(self._held, fcntl.LOCK_SH)
 
     @property
     def written(self) -> int:
@@ -91,13 +80,14 @@ class Ring:
         self.head[1] = number + 1
 
     def extend(self, rows: NDArray[np.int64]) -> None:
-        """Append records of ``cells`` 8-byte cells each, shape (n, cells), as they are."""
+        """Append records of ``cells`` 8-byte cells each, shape (n, cells or fewer), as they are."""
         number, rows = int(self.head[1]), np.asarray(rows)
         skipped = max(0, len(rows) - self.capacity)
         numbers = np.arange(number + skipped, number + len(rows))
         places = numbers % self.capacity
         self.before[places] = -1
-        self.values.view(np.int64)[places] = rows[skipped:]
+        # A record has at least one cell, also of rows that have none.
+        self.values.view(np.int64)[places, : rows.shape[1]] = rows[skipped:]
         self.after[places] = numbers
         self.before[places] = numbers
         self.head[1] = number + len(rows)

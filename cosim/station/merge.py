@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from math import lcm
 from pathlib import Path
@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.base.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup, TextColumn
 from cosim.record.folder import new_folder
 from cosim.record.manifest import write_manifest
 from cosim.record.reader import RUN_FILE, SCENARIO_FILE, Run, open_run
 from cosim.record.signals import RecordedSignal
+from cosim.record.texts.recorded import RecordedText
 from cosim.record.writer import Recorder
 from cosim.station.measured import write_traces
 
@@ -79,15 +80,21 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     folder = new_folder(name, out)
     parts = _parts(runs, stations)
     groups = [
-        RecordGroup(name=label, period=period, columns=tuple(column for _, _, column in columns))
-        for (label, period), columns in parts.items()
+        RecordGroup(
+            name=label,
+            period=period,
+            columns=tuple(column for _, _, column in part.signals),
+            texts=tuple(column for _, _, column in part.texts),
+        )
+        for (label, period), part in parts.items()
     ]
     base_rate = runs[0].base_rate
     with Recorder(folder / RUN_FILE, end - first, runs[0].start_tick) as recorder:
         recorder.begin(groups, base_rate)
         shifts = dict(zip(map(id, runs), (first - begin for begin in firsts), strict=True))
-        for number, columns in enumerate(parts.values()):
-            _copy(recorder, number, columns, shifts, end - first)
+        for number, part in enumerate(parts.values()):
+            _copy(recorder, number, part.signals, shifts, end - first)
+            _copy_texts(recorder, number, part.texts, shifts, end - first)
     full = runs[0].folder / FULL_SCENARIO_FILE
     if full.exists():
         shutil.copyfile(full, folder / SCENARIO_FILE)
@@ -110,7 +117,7 @@ def _merge(runs: list[Run], out: Path | None) -> Merged:
     write_manifest(folder, manifest)
     known = dict(zip(stations, runs, strict=True))
     measured = write_traces(folder, folder / SCENARIO_FILE, known) if full.exists() else None
-    signals = sum(len(group.columns) for group in groups)
+    signals = sum(len(group.columns) + len(group.texts) for group in groups)
     return Merged(folder, first, end - first, signals, measured)
 
 
@@ -163,25 +170,39 @@ def _told(runs: Mapping[str, Run], ticks: int) -> dict[str, Any]:
     }
 
 
-_Part = tuple[Run, RecordedSignal, Column]
+_Signal = tuple[Run, RecordedSignal, Column]
+_Text = tuple[Run, RecordedText, TextColumn]
 
 
-def _parts(runs: list[Run], stations: list[str]) -> dict[tuple[str, int], list[_Part]]:
-    """The signals of each rate, with the names they get."""
-    names = [name for run in runs for group in run.groups.values() for name in group.signals]
-    found: dict[tuple[str, int], list[_Part]] = {}
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """What is recorded at one rate: of which run, and under which name."""
+
+    signals: list[_Signal] = field(default_factory=list[_Signal])
+    texts: list[_Text] = field(default_factory=list[_Text])
+
+
+def _parts(runs: list[Run], stations: list[str]) -> dict[tuple[str, int], _Part]:
+    """The signals and texts of each rate, with the names they get."""
+    groups = [group for run in runs for group in run.groups.values()]
+    names = [name for group in groups for name in (*group.signals, *group.texts)]
+    found: dict[tuple[str, int], _Part] = {}
     for run, station in zip(runs, stations, strict=True):
         for label, group in run.groups.items():
+            part = found.setdefault((label, group.period), _Part())
             for name, signal in group.signals.items():
                 own = name if names.count(name) == 1 else f"{station}.{name}"
                 # All that is known of a signal goes along: what it means, whose it is.
                 renamed = replace(signal.column, name=own)
-                found.setdefault((label, group.period), []).append((run, signal, renamed))
+                part.signals.append((run, signal, renamed))
+            for name, text in group.texts.items():
+                own = name if names.count(name) == 1 else f"{station}.{name}"
+                part.texts.append((run, text, replace(text.column, name=own)))
     return found
 
 
 def _copy(
-    recorder: Recorder, number: int, columns: list[_Part], shifts: Mapping[int, int], ticks: int
+    recorder: Recorder, number: int, columns: list[_Signal], shifts: Mapping[int, int], ticks: int
 ) -> None:
     period = recorder.groups[number].period
     rows = -(-ticks // period)
@@ -192,6 +213,19 @@ def _copy(
             first = shifts[id(run)] // period + start
             cells[:, place] = np.ascontiguousarray(signal[first : first + count]).view(np.int64)
         recorder.commit(number, start * period, count)
+
+
+def _copy_texts(
+    recorder: Recorder, number: int, texts: list[_Text], shifts: Mapping[int, int], ticks: int
+) -> None:
+    """Their changes, the first of which is what each was at the first tick."""
+    for place, (run, text, _) in enumerate(texts):
+        shift = shifts[id(run)]
+        begin = [(0, content) for tick, content in text.changes if tick <= shift][-1:]
+        after = [(tick - shift, content) for tick, content in text.changes if tick > shift]
+        for tick, content in (*begin, *after):
+            if tick < ticks:
+                recorder.put_text(number, place, tick, content)
 
 
 def _link_of(run: Run) -> Mapping[str, Any]:

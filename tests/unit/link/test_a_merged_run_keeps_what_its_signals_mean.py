@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
-from cosim.base.recording import Column, RecordGroup
+from cosim.base.recording import Column, RecordGroup, TextColumn
 from cosim.cli.support.run.merged_page import joined, write_merged_page
 from cosim.record import open_run
 from cosim.record.manifest import write_manifest
@@ -92,6 +93,48 @@ def test_a_merged_run_ended_as_the_worst_of_its_stations_did(tmp_path) -> None:
         page = write_merged_page(run, folders).read_text()
     assert "b: vr_b: its FMU died." in page
     assert 'class="outcome bad"' in page
+
+
+def talking(folder: Path, station: str, first: int, said: list[tuple[int, bytes]]) -> Path:
+    """A station's run that begins at a tick of the session, with a number and a text."""
+    folder.mkdir()
+    column = Column(name=f"{station}.x", unit="1", is_float=True)
+    text = TextColumn(name="task", is_binary=False)
+    groups = [
+        RecordGroup(name="fast", period=1, columns=(column,), texts=(text,)),
+        RecordGroup(name="words", period=2, columns=(), texts=(replace(text, name=station),)),
+    ]
+    with Recorder(folder / RUN_FILE, TICKS) as recorder:
+        recorder.begin(groups, Fraction(1024))
+        for number, rows in ((0, TICKS), (1, TICKS // 2)):
+            recorder.buffer(number, rows)[:] = 0
+            recorder.commit(number, 0, rows)
+        for tick, content in said:
+            recorder.put_text(0, 0, tick, content)
+        recorder.put_text(1, 0, 0, station.encode())
+    write_manifest(folder, {"link": {"station": station, "first_tick": first}, "scenario": {}})
+    return folder
+
+
+def test_texts_are_merged_on_the_session_ticks(tmp_path: Path) -> None:
+    """What a station said before the first tick that all have is what holds at it."""
+    folders = (
+        talking(tmp_path / "a", "a", 0, [(0, b"rest"), (8, b"reach"), (12, b"hold"), (60, b"go")]),
+        talking(tmp_path / "b", "b", 20, [(0, b"wait"), (90, b"late")]),
+    )
+    merged = merge_runs(folders, tmp_path / "merged")
+    assert (merged.first_tick, merged.ticks, merged.signals) == (20, 80, 6)
+    with open_run(merged.folder) as run:
+        texts = {
+            name: list(zip(t.ticks.tolist(), t.values, strict=True))
+            for name, t in run.texts.items()
+        }
+    assert texts == {
+        "a.task": [(0, "hold"), (40, "go")],
+        "b.task": [(0, "wait")],
+        "a": [(0, "a")],
+        "b": [(0, "b")],
+    }
 
 
 def test_the_page_has_the_stations_beside_each_other(tmp_path) -> None:

@@ -12,13 +12,12 @@ import h5py
 import pytest
 
 from cosim.base.errors import InputError
-from cosim.base.recording import RecordGroup, TextColumn
 from cosim.continuation.continued import Continuation
 from cosim.continuation.origin import Origin
 from cosim.master.run.simulation import assemble
-from cosim.realtime.relay import refuse_texts
 from cosim.record.digest import digest
 from cosim.record.export.formats import EXPORTERS, export
+from cosim.record.playback import KINDS
 from cosim.record.reader import open_run
 from cosim.record.texts.journal import JOURNAL_FILE
 from cosim.record.texts.recorded import TEXTS_FILE
@@ -189,10 +188,24 @@ def test_a_run_goes_on_with_its_texts(tmp_path: Path, folder: Path, kept: bool) 
         assert digest(a) == digest(b)
 
 
-def test_a_paced_run_refuses_them_by_name() -> None:
-    text = TextColumn(name="one.word", is_binary=False)
-    with pytest.raises(InputError, match=r"record: one\.word is a text, and a paced run"):
-        refuse_texts([RecordGroup(name="fast", period=1, columns=(), texts=(text,))])
+def test_a_snapshot_of_a_playback_knows_its_texts(tmp_path: Path) -> None:
+    """A record whose texts were written again is another one."""
+    folder = record(tmp_path, "run", record=["one.word"])
+    parts = {"one": {"playback": str(folder), "rate": 64}}
+    scenario = scenario_of(tmp_path, {"duration": 1, "components": parts})
+    with assemble(scenario, kinds=KINDS) as simulation:
+        simulation.start()
+        simulation.advance(9)
+        snapshot = simulation.snapshot()
+    other = written()["components"]
+    other["one"]["parameters"]["every"] = 16
+    again = record(tmp_path, "other", components=other, record=["one.word"])
+    (folder / TEXTS_FILE).write_bytes((again / TEXTS_FILE).read_bytes())
+    with (
+        assemble(scenario, kinds=KINDS) as simulation,
+        pytest.raises(InputError, match=r"one reads had|one had other"),
+    ):
+        simulation.restore(snapshot)
 
 
 def test_texts_alone_are_a_record(tmp_path: Path) -> None:
