@@ -7,8 +7,9 @@ from typing import Any
 
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning
+from cosim.ssp.conversions import Linear
 from cosim.ssp.hierarchy import Hierarchy, Path, Port
-from cosim.ssp.parameters import GivenValue, in_unit
+from cosim.ssp.parameters import GivenValue
 from cosim.ssp.structure import SspSystem
 
 
@@ -42,40 +43,49 @@ class BoundValues:
         for binding in system.bindings:
             self._notes += binding.notes
             for name, value in binding.values.items():
-                targets = self._targets(system, at, name)
+                targets = self._targets(system, at, name, value)
                 if not targets:
                     self._notes.append(f"nothing in {system.name} has the parameter {name}")
-                for path, variable, moved in targets:
-                    self._set(path, variable, value.moved(*moved))
+                for path, variable, given in targets:
+                    self._set(path, variable, given)
 
     def _targets(
-        self, system: SspSystem, at: Path, name: str
-    ) -> list[tuple[Path, str, tuple[float, float]]]:
-        """The components' variables that a name in a system means."""
+        self, system: SspSystem, at: Path, name: str, given: GivenValue
+    ) -> list[tuple[Path, str, GivenValue]]:
+        """The components' variables that a name in a system means, and what each is given."""
         if name in system.kinds:
-            return self._behind((at, name), (1.0, 0.0))
+            return self._behind((at, name), given)
         for child, element in system.elements.items():
             if not name.startswith(f"{child}."):
                 continue
             rest, path = name[len(child) + 1 :], (*at, child)
             if isinstance(element, SspSystem):
-                return self._targets(element, path, rest)
-            return [(path, rest, (1.0, 0.0))]
+                return self._targets(element, path, rest, given)
+            return [(path, rest, given)]
         return []
 
-    def _behind(
-        self, port: Port, moved: tuple[float, float]
-    ) -> list[tuple[Path, str, tuple[float, float]]]:
-        found: list[tuple[Path, str, tuple[float, float]]] = []
+    def _behind(self, port: Port, given: GivenValue) -> list[tuple[Path, str, GivenValue]]:
+        found: list[tuple[Path, str, GivenValue]] = []
+        here = self._in_unit(given, port)
         for target, edge in self._hierarchy.drivers.items():
-            if edge.source == port:
-                factor, offset = edge.connection.factor, edge.connection.offset
-                then = (factor * moved[0], factor * moved[1] + offset)
-                if target[0] in self._hierarchy.components:
-                    found.append((*target, then))
-                else:
-                    found += self._behind(target, then)
+            if edge.source != port:
+                continue
+            connection = edge.connection
+            there = GivenValue(here.value, None) if connection.ignores_unit else here
+            there = self._in_unit(there, target)
+            there = there.through(Linear.of(connection.factor, connection.offset))
+            if target[0] in self._hierarchy.components:
+                found.append((*target, there))
+            else:
+                found += self._behind(target, there)
         return found
+
+    def _in_unit(self, given: GivenValue, port: Port) -> GivenValue:
+        path, name = port
+        try:
+            return given.arriving(self._hierarchy.unit_at(port))
+        except ValueError as error:
+            raise InputError(f"{'.'.join((*path, name))}: {error}") from None
 
     def _set(self, path: Path, name: str, given: GivenValue) -> None:
         try:
@@ -83,11 +93,9 @@ class BoundValues:
         except InputError as error:
             self._notes.append(f"a parameter set: {error.message}")
             return
-        unit = self._hierarchy.unit(path, variable)
-        try:
-            value = in_unit(given, unit)
-        except ValueError as error:
-            raise InputError(f"{'.'.join(path)}.{name}: {error}") from None
+        value = self._in_unit(given, (path, name)).value
         if variable.meaning is Meaning.FILE and value:
             value = str((self._hierarchy.file.parent / str(value)).absolute())
+        if variable.shape and variable.name == name and not isinstance(value, list):
+            value = [value]
         self._values.setdefault(path, {})[name] = value

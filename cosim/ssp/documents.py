@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -92,16 +93,32 @@ def transformation(element: Element, file: Path) -> tuple[float, float]:
     """Factor and offset of a connection or a mapping entry.
 
     Raises:
-        InputError: it maps values one by one.
+        InputError: it maps values one by one, or is written with what is no number.
     """
     for child in element:
         if local(child) == "LinearTransformation":
-            return float(child.get("factor", "1")), float(child.get("offset", "0"))
+            return number(child, "factor", "1", file), number(child, "offset", "0", file)
         if local(child).endswith("MappingTransformation"):
             entries = [(e.get("source"), e.get("target")) for e in child]
             if any(source != target for source, target in entries):
                 raise InputError(f"a {local(child)} cannot be used here.", place(file, child))
     return 1.0, 0.0
+
+
+def number(element: Element, name: str, otherwise: str, file: Path) -> float:
+    """An attribute that is a number.
+
+    Raises:
+        InputError: it is none, or none that can be computed with.
+    """
+    text: str = element.get(name, otherwise)
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise InputError(f"the {name} '{text}' is no number.", place(file, element))
+    return found
 
 
 @cache

@@ -8,6 +8,7 @@ lies in ``extra`` for people and other tools.
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -40,11 +41,16 @@ def to_ssp(assembly: Assembly) -> bytes:
     """The package, the same bytes for the same scenario.
 
     Raises:
-        InputError: a component is no FMU.
+        InputError: a component is neither an FMU nor a class that is found wherever it is read.
     """
-    others = [n for n, part in assembly.scenario.components.items() if part.kind is not Kind.FMU]
-    if others:
-        raise InputError(f"{', '.join(others)} cannot be exported: an SSP holds FMUs alone.")
+    for name, part in assembly.scenario.components.items():
+        if part.kind is Kind.PYTHON and not _is_installed(part.source):
+            raise InputError(
+                f"{name} cannot be exported: its class ({part.source}) lies in no installed "
+                "package."
+            )
+        if part.kind not in {Kind.FMU, Kind.PYTHON}:
+            raise InputError(f"{name} cannot be exported: an SSP holds FMUs, and names classes.")
     return _Exporter(assembly).package()
 
 
@@ -52,6 +58,11 @@ class _Exporter:
     def __init__(self, assembly: Assembly) -> None:
         self._assembly, self._scenario = assembly, assembly.scenario
         self._written = to_document(assembly.scenario)
+        self._python = {
+            name: self._written["components"][name]
+            for name, part in self._scenario.components.items()
+            if part.kind is Kind.PYTHON
+        }
         self._files: dict[str, bytes] = {}
         self._sources: dict[str, str] = {}
         make: Any = importlib.import_module("lxml.builder").ElementMaker
@@ -69,7 +80,7 @@ class _Exporter:
         )
         resolved = dict(self._written)
         resolved["components"] = {
-            name: {**part, "fmu": f"../../{self._sources[name]}"}
+            name: part if name in self._python else {**part, "fmu": f"../../{self._sources[name]}"}
             for name, part in self._written["components"].items()
         }
         for part in resolved["components"].values():
@@ -80,14 +91,18 @@ class _Exporter:
         d = self._d
         scenario = self._scenario
         participants = self._assembly.participants
-        elements = [self._component(name, each) for name, each in participants.items()]
+        elements = [
+            self._component(name, each)
+            for name, each in participants.items()
+            if each.fmu is not None
+        ]
         about: list[str] = []
         connections: list[Element] = []
         for connection, written in zip(
             scenario.connections, self._written["connections"], strict=True
         ):
             ends = {connection.source.component, connection.target.component}
-            if ends & set(scenario.channels) or self._is_about_ticks(connection):
+            if ends & {*scenario.channels, *self._python} or self._is_about_ticks(connection):
                 about.append(written)
             else:
                 connections += self._connections(connection, written)
@@ -96,7 +111,8 @@ class _Exporter:
             for key, value in self._written.items()
             if key not in {"cohaptic", "components", "connections", "title"} and value
         }
-        own = self._own.Scenario(write_yaml(rest | ({"connections": about} if about else {})))
+        more = {"components": self._python, "connections": about}
+        own = self._own.Scenario(write_yaml(rest | {k: v for k, v in more.items() if v}))
         system = d.System(name=scenario.name)
         system.append(d.Elements(*elements))
         if connections:
@@ -134,9 +150,7 @@ class _Exporter:
             if variable.name in triggered
             else self._connector(variable, fmu.version)
             for variable in participant.interface.variables.values()
-            if variable.causality in _SHOWN
-            and variable.type is not VariableType.BINARY
-            and variable.name not in counts
+            if variable.causality in _SHOWN and variable.name not in counts
         ]
         if connectors:
             element.append(d.Connectors(*connectors))
@@ -176,11 +190,11 @@ class _Exporter:
             variable = participant.interface.variables[name]
             kind = variable.type
             if kind is VariableType.STRING:
-                is_file = variable.meaning is Meaning.FILE and elements[0]
-                text = self._resource(Path(str(elements[0]))) if is_file else str(elements[0])
-                inner = self._v.String(value=text)
+                is_file = variable.meaning is Meaning.FILE
+                texts = [self._resource(Path(e)) if is_file and e else str(e) for e in elements]
+                inner = self._texts(self._v.String, texts)
             elif kind is VariableType.BINARY:
-                inner = self._v.Binary(value=elements[0].hex())
+                inner = self._texts(self._v.Binary, [element.hex() for element in elements])
             elif kind is VariableType.BOOLEAN:
                 inner = self._v.Boolean(value=" ".join(_text(bool(e)) for e in elements))
             elif kind.is_float:
@@ -188,6 +202,12 @@ class _Exporter:
             else:
                 inner = self._v.Int64(value=" ".join(str(int(e)) for e in elements))
             yield self._v.Parameter(inner, name=name)
+
+    def _texts(self, make: Any, texts: list[str]) -> Element:
+        """One text as an attribute, several as elements of their own."""
+        if len(texts) == 1:
+            return make(value=texts[0])
+        return make(*(self._v.Value(value=text) for text in texts))
 
     def _resource(self, file: Path) -> str:
         name = f"resources/{file.name}"
@@ -252,7 +272,8 @@ class _Exporter:
 
     def _units(self) -> list[Element]:
         found: dict[str, Element] = {}
-        for participant in self._assembly.participants.values():
+        fmus = (each for each in self._assembly.participants.values() if each.fmu is not None)
+        for participant in fmus:
             interface = participant.interface
             for name, variable in interface.variables.items():
                 unit = interface.unit(name)
@@ -273,6 +294,16 @@ class _Exporter:
 
     def _annotation(self, content: Element) -> Element:
         return self._c.Annotation(content, type=OWN_TYPE)
+
+
+def _is_installed(source: str) -> bool:
+    """Whether a class is found by its name wherever this package's environment is."""
+    module = source.partition(":")[0]
+    try:
+        found = None if "/" in module else importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return False
+    return found is not None
 
 
 def _text(value: Any) -> str:

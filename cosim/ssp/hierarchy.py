@@ -14,10 +14,11 @@ from typing import Any
 
 from cosim.base.component import Variable
 from cosim.base.errors import InputError
-from cosim.base.quantities.units import Unit
+from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.reading import read_description
+from cosim.ssp.conversions import between
 from cosim.ssp.documents import place
 from cosim.ssp.structure import SspComponent, SspConnection, SspStructure, SspSystem, is_sink
 
@@ -45,6 +46,8 @@ class Hierarchy:
             InputError: one is missing, or a connection joins what it cannot.
         """
         self.file = structure.file
+        self._units = structure.units
+        self.systems: dict[Path, SspSystem] = {}
         self.components: dict[Path, SspComponent] = {}
         self.names: dict[Path, str] = {}
         """What the components are called in the scenario."""
@@ -72,7 +75,40 @@ class Hierarchy:
         """The unit of a component's variable."""
         return self.fmus[path].interface("", feedthrough=False).unit(variable.name)
 
+    def unit_at(self, port: Port) -> Unit | None:
+        """The unit of a connector: that of the FMU's variable, else what the connector says."""
+        path, connector = port
+        element = self.components.get(path) or self.systems[path]
+        if path in self.components:
+            own = self.unit(path, self.variable(path, connector))
+            if own is not None:
+                return own
+        bare = _INDEX.fullmatch(connector)
+        name = element.units.get(bare[1] if bare else connector)
+        return None if name is None else self._units.get(name) or unit_of(name)
+
+    def knows_unit(self, port: Port) -> bool:
+        """Whether the FMU says the unit of a component's variable."""
+        return self.unit(port[0], self.variable(*port)) is not None
+
+    def contradictions(self) -> list[str]:
+        """Connectors whose unit is another one than that of the FMU, which counts."""
+        found: list[str] = []
+        for path, component in self.components.items():
+            for name, written in component.units.items():
+                variable = self.fmus[path].variables.get(name)
+                own = None if variable is None else self.unit(path, variable)
+                said = self._units.get(written) or unit_of(written)
+                if own is not None and own != said and not _same(own, said):
+                    where = f"{'.'.join(path)}.{name}"
+                    found.append(
+                        f"the connector {where} is in {written} and its FMU's variable in "
+                        f"{own.name}: the FMU's unit counts"
+                    )
+        return found
+
     def _collect(self, system: SspSystem, at: Path) -> None:
+        self.systems[at] = system
         for name, element in system.elements.items():
             path = (*at, name)
             if isinstance(element, SspSystem):
@@ -149,6 +185,13 @@ class Hierarchy:
     def _kind_of(self, path: Path, connector: str) -> str:
         variable = self.fmus[path].variables.get(connector)
         return "unspecified" if variable is None else str(variable.causality)
+
+
+def _same(one: Unit, other: Unit) -> bool:
+    try:
+        return between(one, other).changes_nothing
+    except ValueError:
+        return False
 
 
 def plain(text: str) -> Any:

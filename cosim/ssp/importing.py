@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from cosim.base.component import Causality
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import format_exact
-from cosim.base.quantities.units import conversion
+from cosim.base.quantities.units import Unit, conversion
 from cosim.ssp.bindings import BoundValues
+from cosim.ssp.conversions import UNCHANGED, Linear, between
+from cosim.ssp.documents import place
 from cosim.ssp.hierarchy import DrivenBy, Hierarchy, Path, Port, plain
-from cosim.ssp.structure import SspStructure
+from cosim.ssp.structure import SspConnection, SspStructure
 from cosim.ssp.times import duration_of, start_of
 
 _SETTABLE = frozenset({Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER})
@@ -26,6 +29,7 @@ class _Importer:
         self._hierarchy = Hierarchy(structure)
         self._values = BoundValues(self._hierarchy, notes)
         self._values.bind(structure.system, ())
+        notes += self._hierarchy.contradictions()
 
     def document(self, stop_time: Fraction | None) -> dict[str, Any]:
         own = dict(self._structure.own)
@@ -34,9 +38,9 @@ class _Importer:
         times = {"start_time": format_exact(start)} if start else {}
         duration = duration_of(self._structure, own, start, stop_time)
         rest = {"cohaptic": 1, "title": title, **times, "duration": duration, **own}
-        names = self._hierarchy.names.items()
+        names, parts = self._hierarchy.names.items(), dict(own.get("components", {}))
         return rest | {
-            "components": {name: self._component(path) for path, name in names},
+            "components": {name: self._component(path) for path, name in names} | parts,
             "connections": [*self._connections(), *own.get("connections", [])],
         }
 
@@ -45,15 +49,14 @@ class _Importer:
         for (path, connector), edge in hierarchy.drivers.items():
             if path not in hierarchy.components:
                 continue
-            factor, offset, ignores, own = 1.0, 0.0, False, dict[str, str]()
+            edges, own = list[tuple[Port, DrivenBy]](), dict[str, str]()
             source: Port = (path, connector)
+            target = source
             step: DrivenBy | None = edge
             while step is not None:
-                connection = step.connection
-                factor, offset = factor * connection.factor, factor * connection.offset + offset
-                ignores = ignores or connection.ignores_unit
-                own |= connection.own
-                source = step.source
+                edges.append((target, step))
+                own |= step.connection.own
+                source = target = step.source
                 step = (
                     hierarchy.drivers.get(source) if source[0] not in hierarchy.components else None
                 )
@@ -73,14 +76,58 @@ class _Importer:
                 "from": f"{hierarchy.names[source[0]]}.{source[1]}",
                 "to": f"{hierarchy.names[path]}.{connector}",
             }
-            if factor != 1.0:
-                written["factor"] = factor
-            if offset != 0.0:
-                written["offset"] = offset
-            if ignores and self._units_differ(source, (path, connector)):
-                written["unit"] = "ignore"
+            written |= self._conversion(source, (path, connector), edges[::-1])
             found.append(written | own)
         return found
+
+    def _conversion(
+        self, source: Port, target: Port, edges: list[tuple[Port, DrivenBy]]
+    ) -> dict[str, Any]:
+        """What a connection has to say, so that each of these does what it says.
+
+        ``edges`` are those between the two, with where each goes, in the order of the way.
+        """
+        is_relative = any(self._hierarchy.variable(*end).is_relative for end in (source, target))
+        whole, unit = UNCHANGED, self._unit_at(source, is_relative=is_relative)
+        for port, edge in edges:
+            connection = edge.connection
+            there = self._unit_at(port, is_relative=is_relative)
+            if not connection.ignores_unit:
+                whole = whole.then(self._between(unit, there, connection))
+            unit = unit if there is None else there
+            whole = whole.then(Linear.of(connection.factor, connection.offset))
+        found: dict[str, Any] = {}
+        first = UNCHANGED
+        if any(edge.connection.ignores_unit for _, edge in edges):
+            if self._units_differ(source, target):
+                found["unit"] = "ignore"
+        else:
+            # What the run does by itself.
+            ends = [self._unit_at(end, is_relative=is_relative) for end in (source, target)]
+            if all(self._hierarchy.knows_unit(end) for end in (source, target)):
+                first = self._between(ends[0], ends[1], edges[-1][1].connection)
+        rest = whole.behind(first)
+        if rest.factor != 1:
+            found["factor"] = float(rest.factor)
+        if rest.offset != 0:
+            found["offset"] = float(rest.offset)
+        return found
+
+    def _unit_at(self, port: Port, *, is_relative: bool) -> Unit | None:
+        """The unit of a connector; differences know no offset."""
+        found = self._hierarchy.unit_at(port)
+        return replace(found, offset=Fraction(0)) if found is not None and is_relative else found
+
+    def _between(
+        self, source: Unit | None, target: Unit | None, connection: SspConnection
+    ) -> Linear:
+        try:
+            return between(source, target)
+        except ValueError as error:
+            raise InputError(
+                f"a connection cannot carry a value: {error}.",
+                place(self._structure.file, connection.element),
+            ) from None
 
     def _units_differ(self, source: Port, target: Port) -> bool:
         """Whether there is anything to ignore."""
@@ -114,7 +161,7 @@ class _Importer:
     def _step(self, path: Path) -> Fraction:
         text = self._hierarchy.components[path].step or self._structure.step
         if text is not None:
-            return Fraction(text)
+            return self._written_step(path, text)
         step = self._hierarchy.fmus[path].step_size
         if step is None:
             self._notes.append(
@@ -122,6 +169,19 @@ class _Importer:
             )
             return DEFAULT_STEP
         return step
+
+    def _written_step(self, path: Path, text: str) -> Fraction:
+        try:
+            found = Fraction(text)
+        except (ValueError, ZeroDivisionError):
+            found = Fraction(0)
+        if found <= 0:
+            element = self._hierarchy.components[path].element
+            raise InputError(
+                f"the step of {'.'.join(path)} is '{text}', which is no time above 0.",
+                place(self._structure.file, element),
+            )
+        return found
 
 
 def to_scenario(

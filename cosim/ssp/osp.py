@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree as ET
-from zipfile import ZipFile
+from zipfile import BadZipFile, ZipFile
 
 from cosim.base.errors import InputError
-from cosim.ssp.documents import Element, local, place, read_xml
+from cosim.ssp.documents import Element, local, number, place, read_xml
 from cosim.ssp.parameters import GivenValue, ParameterBinding
 from cosim.ssp.structure import SspComponent, SspConnection, SspStructure, SspSystem
 
@@ -36,7 +36,7 @@ def read_osp(root: Element, file: Path) -> SspStructure:
             name=name,
             source=source,
             kinds=_causalities(source),
-            bindings=[_initial_values(each)],
+            bindings=[_initial_values(each, file)],
             step=each.get("stepSize") or step,
             own={},
             element=each,
@@ -61,7 +61,7 @@ def _causalities(source: Path) -> dict[str, str]:
     try:
         with ZipFile(source) as archive:
             root = ET.fromstring(archive.read("modelDescription.xml"))
-    except (OSError, KeyError, ET.ParseError):
+    except (OSError, KeyError, BadZipFile, ET.ParseError):
         return {}
     variables = root.find("ModelVariables")
     return {
@@ -70,13 +70,16 @@ def _causalities(source: Path) -> dict[str, str]:
     }
 
 
-def _initial_values(simulator: Element) -> ParameterBinding:
+def _initial_values(simulator: Element, file: Path) -> ParameterBinding:
     values: dict[str, GivenValue] = {}
     for each in simulator.findall("o:InitialValues/o:InitialValue", _N):
         for child in each:
             text = child.get("value", "")
             kind = local(child)
-            value = text in {"true", "1"} if kind == "Boolean" else _KINDS.get(kind, str)(text)
+            try:
+                value = text in {"true", "1"} if kind == "Boolean" else _KINDS.get(kind, str)(text)
+            except ValueError:
+                raise InputError(f"'{text}' is no {kind}.", place(file, child)) from None
             values[each.get("variable", "")] = GivenValue(value, None)
     return ParameterBinding(values, ())
 
@@ -149,6 +152,6 @@ def _through_functions(
             out.append((name, _end(variable), each))
     for name, target, element in out:
         if name in into:
-            factor = float(functions[name].get("factor", "1"))
-            offset = float(functions[name].get("offset", "0"))
+            factor = number(functions[name], "factor", "1", file)
+            offset = number(functions[name], "offset", "0", file)
             yield SspConnection(into[name], target, factor, offset, True, {}, element)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 from urllib.parse import unquote
@@ -12,7 +11,16 @@ from urllib.parse import unquote
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import exact
 from cosim.base.quantities.units import BASES, Unit, unit_of
-from cosim.ssp.documents import NAMESPACES, Element, local, place, read_valid, transformation
+from cosim.ssp.conversions import UNCHANGED, Linear, between
+from cosim.ssp.documents import (
+    NAMESPACES,
+    Element,
+    local,
+    number,
+    place,
+    read_valid,
+    transformation,
+)
 
 SET_TYPE = "application/x-ssp-parameter-set"
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}
@@ -24,12 +32,21 @@ class GivenValue:
 
     value: Any
     unit: Unit | None
+    mapped: Linear = UNCHANGED
+    """What a mapping does with it, once it is in the unit of where it goes."""
 
-    def moved(self, factor: float, offset: float) -> GivenValue:
-        """The same behind a linear transformation."""
-        if (factor, offset) == (1.0, 0.0):
-            return self
-        return GivenValue(_each(self.value, lambda each: factor * each + offset), self.unit)
+    def arriving(self, unit: Unit | None) -> GivenValue:
+        """In the unit of a connector or a variable, and mapped.
+
+        Raises:
+            ValueError: the two measure different things.
+        """
+        linear = between(self.unit, unit).then(self.mapped)
+        return GivenValue(_moved(self.value, linear), self.unit if unit is None else unit)
+
+    def through(self, linear: Linear) -> GivenValue:
+        """Behind the linear transformation of a connection."""
+        return GivenValue(_moved(self.value, linear), self.unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +107,7 @@ def _from_file(path: Path, notes: list[str]) -> dict[str, GivenValue]:
 
 
 def _values(root: Element, file: Path) -> dict[str, GivenValue]:
-    units = read_units(root.find("ssv:Units", NAMESPACES))
+    units = read_units(root.find("ssv:Units", NAMESPACES), file)
     found: dict[str, GivenValue] = {}
     for parameter in root.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
         for child in parameter:
@@ -103,11 +120,11 @@ def _values(root: Element, file: Path) -> dict[str, GivenValue]:
 def _value(element: Element, units: Mapping[str, Unit], file: Path) -> GivenValue:
     kind = local(element)
     text = element.get("value")
-    if kind in {"String", "Enumeration"}:
-        several = [each.get("value") for each in element if local(each) == "Value"]
-        return GivenValue(several or text, None)
-    if kind == "Binary" and text is not None:
-        return GivenValue(f"hex:{text}", None)
+    if kind in {"String", "Enumeration", "Binary"}:
+        several = [each.get("value", "") for each in element if local(each) == "Value"]
+        spelling = "hex:" if kind == "Binary" else ""
+        texts = [spelling + each for each in (several or [text or ""])]
+        return GivenValue(texts if several else texts[0], None)
     if text is None:
         raise InputError(f"a value of type {kind} cannot be given here.", place(file, element))
     unit = element.get("unit")
@@ -133,12 +150,21 @@ def _mapped(
     for entry in entries.findall("ssm:MappingEntry", NAMESPACES):
         given = values.get(entry.get("source", ""))
         if given is not None:
-            found[entry.get("target", "")] = given.moved(*transformation(entry, file))
+            is_free = entry.get("suppressUnitConversion") in {"true", "1"}
+            found[entry.get("target", "")] = GivenValue(
+                given.value,
+                None if is_free else given.unit,
+                Linear.of(*transformation(entry, file)),
+            )
     return found
 
 
-def read_units(element: Element) -> dict[str, Unit]:
-    """The units that a file defines, by name."""
+def read_units(element: Element, file: Path) -> dict[str, Unit]:
+    """The units that a file defines, by name.
+
+    Raises:
+        InputError: one is written with what is no number.
+    """
     if element is None:
         return {}
     found: dict[str, Unit] = {}
@@ -148,36 +174,17 @@ def read_units(element: Element) -> dict[str, Unit]:
         if base is not None:
             found[name] = Unit(
                 name,
-                tuple(int(base.get(power, "0")) for power in BASES),
-                exact(float(base.get("factor", "1"))),
-                exact(float(base.get("offset", "0"))),
+                tuple(int(number(base, power, "0", file)) for power in BASES),
+                exact(number(base, "factor", "1", file)),
+                exact(number(base, "offset", "0", file)),
             )
     return found
 
 
-def in_unit(given: GivenValue, unit: Unit | None) -> Any:
-    """The value in a variable's unit.
-
-    Raises:
-        ValueError: the two measure different things.
-    """
-    if given.unit is None or unit is None or given.unit == unit:
-        return given.value
-    if given.unit.exponents is None or unit.exponents is None:
-        return given.value  # one of them is only a name, which says nothing
-    if given.unit.exponents != unit.exponents:
-        raise ValueError(f"it is in {given.unit.name}, which does not convert to {unit.name}")
-    source = given.unit
-
-    def converted(value: float) -> float:
-        base: Fraction = exact(value) * source.factor + source.offset
-        return float((base - unit.offset) / unit.factor)
-
-    return _each(given.value, converted)
-
-
-def _each(value: Any, change: Callable[[Any], Any]) -> Any:
-    """The changed value, or the list of changed values."""
+def _moved(value: Any, linear: Linear) -> Any:
+    """The changed value, or the list of changed values; what is no number stays what it is."""
+    if linear.changes_nothing:
+        return value
     if isinstance(value, list):
-        return [change(each) for each in cast("list[Any]", value)]
-    return change(value)
+        return [_moved(each, linear) for each in cast("list[Any]", value)]
+    return float(exact(value) * linear.factor + linear.offset)

@@ -10,6 +10,7 @@ from urllib.parse import unquote
 
 from cosim.base.document.yaml_reader import parse_yaml
 from cosim.base.errors import InputError
+from cosim.base.quantities.units import Unit
 from cosim.ssp.documents import (
     NAMESPACES,
     OSP_TYPES,
@@ -20,7 +21,7 @@ from cosim.ssp.documents import (
     place,
     transformation,
 )
-from cosim.ssp.parameters import ParameterBinding, read_bindings
+from cosim.ssp.parameters import ParameterBinding, read_bindings, read_units
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 _SINKS = frozenset({"input", "parameter", "structuralParameter", "inout"})
@@ -53,6 +54,8 @@ class SspComponent:
     own: dict[str, str]
     """What our annotation says."""
     element: Element
+    units: dict[str, str] = field(default_factory=dict[str, str])
+    """The unit's name of each connector that says one."""
 
 
 @dataclass(slots=True)
@@ -64,6 +67,8 @@ class SspSystem:
     bindings: list[ParameterBinding]
     elements: dict[str, SspComponent | SspSystem] = field(default_factory=dict[str, Any])
     connections: list[SspConnection] = field(default_factory=list[SspConnection])
+    units: dict[str, str] = field(default_factory=dict[str, str])
+    """The unit's name of each connector that says one."""
 
 
 @dataclass(slots=True)
@@ -78,6 +83,8 @@ class SspStructure:
     step: str | None
     own: dict[str, Any]
     """The scenario without components and connections, where we have written it."""
+    units: dict[str, Unit] = field(default_factory=dict[str, Unit])
+    """Those that are defined, by name."""
 
 
 def read_structure(root: Element, file: Path) -> SspStructure:
@@ -102,6 +109,7 @@ def read_structure(root: Element, file: Path) -> SspStructure:
         stop=None if experiment is None else experiment.get("stopTime"),
         step=None if algorithm is None else algorithm.get("baseStepSize"),
         own=_own_scenario(system),
+        units=read_units(root.find("ssd:Units", NAMESPACES), file),
     )
 
 
@@ -113,7 +121,10 @@ def is_sink(kind: str, *, outside: bool) -> bool:
 def _system(element: Element, file: Path) -> SspSystem:
     _refuse_dictionaries(element, file)
     system = SspSystem(
-        element.get("name", ""), _kinds(element), read_bindings(element, file.parent, file)
+        element.get("name", ""),
+        _kinds(element),
+        read_bindings(element, file.parent, file),
+        units=_units(element),
     )
     for child in element.findall("ssd:Elements/*", NAMESPACES):
         name = child.get("name", "")
@@ -166,6 +177,7 @@ def _component(element: Element, file: Path) -> SspComponent:
         step=None if hint is None else hint.get("value"),
         own=_own(element, "Component"),
         element=element,
+        units=_units(element),
     )
 
 
@@ -198,6 +210,15 @@ def _kinds(element: Element) -> dict[str, str]:
         each.get("name", ""): each.get("kind", "unspecified")
         for each in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES)
     }
+
+
+def _units(element: Element) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for each in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES):
+        for kind in each:
+            if unit := kind.get("unit"):
+                found[each.get("name", "")] = unit
+    return found
 
 
 def _annotations(element: Element) -> Iterator[Element]:

@@ -23,6 +23,7 @@ from cosim.scenario.source.find import bundled_folder, bundled_names
 from cosim.ssp.documents import read_valid
 from cosim.ssp.exporting import to_ssp
 from tests.support.fmus.clocked import clocked_fmu
+from tests.support.fmus.foreign import foreign_fmu, scalar
 from tests.support.master.master_support import scenario_of
 
 FOLDER = bundled_folder()
@@ -115,12 +116,59 @@ def test_a_table_goes_along(tmp_path: Path) -> None:
     assert np.array_equal(rows(back)[1][0], here[0])
 
 
-def test_what_is_no_fmu_cannot_be_exported(tmp_path: Path) -> None:
-    (tmp_path / "s.yaml").write_text(
-        "cohaptic: 1\nduration: 0.5\ncomponents:\n"
-        "  it: {python: 'tests.support.master.master_parts:Growing', rate: 100}\n"
+def test_texts_and_binaries_go_along(tmp_path: Path) -> None:
+    """Values of one and of several elements, and what is wired."""
+    two = '<Dimension start="2"/>'
+    given = {"causality": "parameter", "variability": "fixed"}
+    variables = "".join(
+        scalar(3, name, reference, kind, inside + start, **more)
+        for name, reference, kind, inside, start, more in (
+            ("word", 1, "String", "", '<Start value="x"/>', given),
+            ("words", 2, "String", two, '<Start value="x"/><Start value="y"/>', given),
+            ("datas", 4, "Binary", two, '<Start value="00"/><Start value="01"/>', given),
+            ("one", 6, "Float64", '<Dimension start="1"/>', "", given | {"start": "1"}),
+            ("b_in", 8, "Binary", "", '<Start value="ff"/>', {"causality": "input"}),
+            ("b_out", 8, "Binary", "", "", {"causality": "output"}),
+        )
     )
-    with pytest.raises(InputError, match="it cannot be exported: an SSP holds FMUs alone"):
+    fmu = foreign_fmu(
+        tmp_path, 3, variables, structure='<Output valueReference="8" dependencies=""/>'
+    )
+    parameters = {
+        "word": "a b", "words": ["c", "d"], "datas": ["hex:0a", "hex:0b0c"], "one": [2.0],
+    }  # fmt: skip
+    part = {"fmu": str(fmu), "rate": 10, "parameters": parameters}
+    written = {"duration": 1, "components": {"p": part, "q": part}}
+    scenario = scenario_of(tmp_path, written | {"connections": ["p.b_out -> q.b_in"]})
+    back = through_ssp(scenario, tmp_path / "x.ssp")
+    assert [str(each) for each in back.connections] == ["p.b_out -> q.b_in"]
+    with assemble(scenario) as here, assemble(back) as there:
+        for name in "pq":
+            one, other = (each.assembly.participants[name].parameters for each in (here, there))
+            assert one == other == {
+                "word": ["a b"], "words": ["c", "d"], "datas": [b"\n", b"\x0b\x0c"], "one": [2.0],
+            }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("part", "said"),
+    [
+        (
+            "python: 'mine:Mine'",
+            r"it cannot be exported: its class \(.*mine.py:Mine\) lies in no",
+        ),
+        ("python: 'mine.py:Mine'", "it cannot be exported: its class"),
+        ("device: 'mock://'", "it cannot be exported: an SSP holds FMUs, and names classes"),
+    ],
+)
+def test_what_lies_elsewhere_cannot_be_exported(tmp_path: Path, part: str, said: str) -> None:
+    (tmp_path / "mine.py").write_text(
+        "from tests.support.master.master_parts import Growing\nclass Mine(Growing): pass\n"
+    )
+    (tmp_path / "s.yaml").write_text(
+        f"cohaptic: 1\nduration: 0.5\ncomponents:\n  it: {{{part}, rate: 100}}\n"
+    )
+    with pytest.raises(InputError, match=said):
         exported(load(tmp_path / "s.yaml"), tmp_path / "s.ssp")
 
 

@@ -206,6 +206,140 @@ def test_sets_and_mappings_lie_in_files_as_well(folder: Path) -> None:
         read(ssd(folder, missing))
 
 
+IN_MM = (
+    '<Connectors><Connector name="{name}" kind="{kind}"><ssc:Real unit="mm"/></Connector>'
+    "</Connectors>"
+)
+MM = '<Units><ssc:Unit name="mm"><ssc:BaseUnit m="1" factor="0.001"/></ssc:Unit></Units>'
+
+
+def with_units(file: Path) -> Path:
+    """The same structure, which defines millimetres."""
+    text = file.read_text().replace("<DefaultExperiment", f"{MM}<DefaultExperiment")
+    file.write_text(text)
+    return file
+
+
+def test_a_transformation_is_in_the_unit_of_its_connector(folder: Path) -> None:
+    """In millimetres there are 10 on the way; then what is left is doubled, and 1 m more."""
+    inner = (
+        '<System name="inner">'
+        + IN_MM.format(name="into", kind="input")
+        + f"<Elements>{component('b')}</Elements><Connections>"
+        + connect("into", "b.u", '<ssc:LinearTransformation factor="2" offset="1"/>')
+        + "</Connections></System>"
+    )
+    inside = (
+        f"<Elements>{component('a', bindings(values('p|5|')))}{inner}</Elements><Connections>"
+        + connect("a.y", "inner.into", '<ssc:LinearTransformation factor="3" offset="10"/>')
+        + "</Connections>"
+    )
+    document, notes = read(with_units(ssd(folder, inside, "2.0")))
+    assert notes == []
+    (connection,) = document["connections"]
+    assert connection == {"from": "a.y", "to": "inner_b.u", "factor": 6.0, "offset": 1.02}
+    assert heard(folder, document) == pytest.approx(6 * 5 + 1.02)
+
+
+def heard(folder: Path, document: dict[str, Any]) -> float:
+    """The input of the last component at the end of a run."""
+    (folder / "s.yaml").write_text(write_yaml(document))
+    sink = MemorySink()
+    with assemble(load(folder / "s.yaml")) as simulation:
+        simulation.run(sink)
+    return float(sink.signal(document["connections"][0]["to"])[-1])
+
+
+def bare(folder: Path) -> str:
+    """A component whose FMU has no units, and whose connectors are in millimetres."""
+    foreign_fmu(
+        folder,
+        3,
+        scalar(3, "y", 1, causality="output")
+        + scalar(3, "u", 2, causality="input", start="0")
+        + scalar(3, "p", 3, causality="parameter", variability="fixed", start="0"),
+        structure='<Output valueReference="1" dependencies=""/>',
+        before='<DefaultExperiment stepSize="0.125"/>',
+        snippet=PASS,
+        name="bare",
+    )
+    ports = PORTS.replace('unit="m"', 'unit="mm"')
+    inside = bindings(values("p|3|"))
+    return f'<Component name="bare" source="bare.fmu">{ports}{inside}</Component>'
+
+
+def test_a_connector_says_the_unit_where_its_fmu_does_not(folder: Path) -> None:
+    inside = f"<Elements>{bare(folder)}{component('b')}</Elements><Connections>{{}}</Connections>"
+    file = with_units(ssd(folder, inside.format(connect("bare.y", "b.u")), "2.0"))
+    document, notes = read(file)
+    assert notes == []
+    assert document["connections"] == [{"from": "bare.y", "to": "b.u", "factor": 0.001}]
+    assert heard(folder, document) == pytest.approx(0.003)
+    free = connect("bare.y", "b.u", more='suppressUnitConversion="true"')
+    document, _ = read(with_units(ssd(folder, inside.format(free), "2.0")))
+    assert document["connections"] == [{"from": "bare.y", "to": "b.u"}]
+
+
+def test_a_connector_that_contradicts_its_fmu_is_noted(folder: Path) -> None:
+    inside = f"<Elements>{component('a')}</Elements>".replace('unit="m"', 'unit="mm"')
+    _, notes = read(with_units(ssd(folder, inside, "2.0")))
+    assert len(notes) == 3
+    assert "the connector a.y is in mm and its FMU's variable in m: the FMU's unit counts" in notes
+
+
+def test_what_does_not_convert_on_the_way_is_refused_in_its_line(folder: Path) -> None:
+    kilograms = IN_MM.replace('unit="mm"', 'unit="kg"').format(name="into", kind="input")
+    inner = (
+        f'<System name="inner">{kilograms}<Elements>{component("b")}</Elements><Connections>'
+        + connect("into", "b.u")
+        + "</Connections></System>"
+    )
+    inside = f"<Elements>{component('a')}{inner}</Elements><Connections>"
+    with pytest.raises(InputError, match=r"ssd:1:1: .*it is in m, which does not convert to kg"):
+        read(ssd(folder, f"{inside}{connect('a.y', 'inner.into')}</Connections>", "2.0"))
+
+
+def test_a_parameter_passes_the_units_of_connectors(folder: Path) -> None:
+    """4 inch are 101.6 mm in the system; ten times as many in the component, and 0.5 m more."""
+    inside = (
+        IN_MM.format(name="q", kind="parameter")
+        + bindings(values('q|4| unit="inch"'))
+        + f"<Elements>{component('b')}</Elements><Connections>"
+        + connect("q", "b.p", '<ssc:LinearTransformation factor="10" offset="0.5"/>')
+        + "</Connections>"
+    )
+    document, _ = read(with_units(ssd(folder, inside, "2.0")))
+    assert document["components"]["b"]["parameters"]["p"] == pytest.approx(10 * 0.1016 + 0.5)
+
+
+def test_a_mapping_transforms_behind_the_conversion_or_without_one(folder: Path) -> None:
+    entry = (
+        '<ParameterMapping><ssm:ParameterMapping version="1.0"><ssm:MappingEntry source="length" '
+        'target="p"{}><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>'
+        "</ssm:ParameterMapping></ParameterMapping>"
+    )
+    for more, value in (("", 2 * 0.254 + 1), (' suppressUnitConversion="true"', 21.0)):
+        bound = bindings(values('length|10| unit="inch"', mapping=entry.format(more)))
+        document, _ = read(ssd(folder, f"<Elements>{component('a', bound)}</Elements>"))
+        assert document["components"]["a"]["parameters"]["p"] == pytest.approx(value)
+
+
+@pytest.mark.parametrize("number", ["two", "INF", ""])
+def test_what_is_no_number_is_refused_in_its_line(folder: Path, number: str) -> None:
+    moved = f'<ssc:LinearTransformation factor="{number}"/>'
+    inside = (
+        f"<Elements>{component('a')}{component('b')}</Elements>"
+        f"<Connections>{connect('a.y', 'b.u', moved)}</Connections>"
+    )
+    with pytest.raises(InputError, match=rf"ssd:1:1: the factor '{number}' is no number"):
+        read(ssd(folder, inside))
+    units = MM.replace("0.001", number)
+    file = ssd(folder, f"<Elements>{component('a')}</Elements>", "2.0")
+    file.write_text(file.read_text().replace("<DefaultExperiment", f"{units}<DefaultExperiment"))
+    with pytest.raises(InputError, match=rf"the factor '{number}' is no number"):
+        read(file)
+
+
 def test_suppressed_conversions_and_steps_of_osp_are_obeyed(folder: Path) -> None:
     hint = (
         '<Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint '
@@ -305,6 +439,33 @@ def test_an_osp_system_structure_is_read(folder: Path) -> None:
         read(file)
     file.write_text(OSP.replace("{function}", "Sum"))
     with pytest.raises(InputError, match="a Sum 'f' cannot be used here"):
+        read(file, Fraction(2))
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [
+        ('<Real value="2"/>', '<Real value="two"/>', "'two' is no Real"),
+        ('stepSize="0.125"', 'stepSize="0"', "the step of a is '0', which is no time above 0"),
+        ('stepSize="0.125"', 'stepSize="x"', "the step of a is 'x', which is no time above 0"),
+        ('factor="3"', 'factor="x"', "the factor 'x' is no number"),
+    ],
+)
+def test_what_is_no_number_of_osp_is_refused(
+    folder: Path, right: str, wrong: str, said: str
+) -> None:
+    file = folder / "OspSystemStructure.xml"
+    assert right in OSP
+    file.write_text(OSP.replace("{function}", "LinearTransformation").replace(right, wrong))
+    with pytest.raises(InputError, match=said):
+        read(file, Fraction(2))
+
+
+def test_an_fmu_that_is_none_is_refused_in_osp_too(folder: Path) -> None:
+    file = folder / "OspSystemStructure.xml"
+    file.write_text(OSP.replace("{function}", "LinearTransformation"))
+    (folder / "adder.fmu").write_bytes(b"no zip")
+    with pytest.raises(InputError, match=r"adder\.fmu"):
         read(file, Fraction(2))
 
 
