@@ -24,6 +24,7 @@ from tests.support.master.master_support import run, scenario_of
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="it needs POSIX")
 ROOT = Path(__file__).parents[3]
 OUTPUT = '<Output valueReference="1" dependencies=""/>'
+OUTPUTS = {2: '<Outputs><Unknown index="1" dependencies=""/></Outputs>', 3: OUTPUT}
 
 
 def rows(sink: MemorySink) -> list[np.ndarray]:
@@ -147,11 +148,12 @@ COUNTING = """
 """
 
 
-def test_an_fmu_that_exists_once_in_a_process_has_processes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_that_exists_once_in_a_process_has_processes(tmp_path: Path, version: int) -> None:
     once = {"canBeInstantiatedOnlyOncePerProcess": "true"}
     path = foreign_fmu(
-        tmp_path, 3, scalar(3, "y", 1, causality="output"),
-        structure=OUTPUT, snippet=COUNTING, interface=once,
+        tmp_path, version, scalar(version, "y", 1, causality="output"),
+        structure=OUTPUTS[version], snippet=COUNTING, interface=once,
     )  # fmt: skip
     part = {"fmu": str(path), "rate": 100}
     parts = {"a": part, "b": part}
@@ -167,10 +169,11 @@ def test_an_fmu_that_exists_once_in_a_process_has_processes(tmp_path: Path) -> N
         assert simulation.notes == ()
 
 
-def test_an_fmu_that_needs_a_tool_is_apart(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_that_needs_a_tool_is_apart(tmp_path: Path, version: int) -> None:
     path = foreign_fmu(
-        tmp_path, 3, scalar(3, "y", 1, causality="output"),
-        structure=OUTPUT, interface={"needsExecutionTool": "true"},
+        tmp_path, version, scalar(version, "y", 1, causality="output"),
+        structure=OUTPUTS[version], interface={"needsExecutionTool": "true"},
     )  # fmt: skip
     part = {"fmu": str(path), "rate": 100}
     with assemble(

@@ -79,6 +79,63 @@ def test_every_kind_of_clock(tmp_path: Path, more: str) -> None:
         np.testing.assert_array_equal(np.asarray(sink.signal(f"it.{name}")), expected, name)
 
 
+def test_times_by_counters_are_those_by_decimals(tmp_path: Path) -> None:
+    variables = (
+        scalar(3, "y", 1, causality="output")
+        + clock("d", 10, "constant", intervalDecimal="0.02", shiftDecimal="0.04")
+        + clock("e", 11, "constant", intervalCounter="1", shiftCounter="2", resolution="50")
+    )
+    path = foreign_fmu(tmp_path, 3, variables, interface={"hasEventMode": "true"})
+    sink = MemorySink()
+    text = f"duration: 0.1\nbase_rate: 100\ncomponents: {{it: {{fmu: {path}, rate: 100}}}}\n"
+    with assemble(scenario_of(tmp_path, text)) as simulation:
+        simulation.run(sink)
+    assert sink.signal("it.d").tolist() == [0, 0, 0, 0, 1, 1, 2, 2, 3, 3]
+    assert sink.signal("it.e").tolist() == sink.signal("it.d").tolist()
+
+
+ANNOUNCES = """
+    static int hook(Foreign *m, const char *call)
+    {
+        if (is(call, "DoStep"))
+            m->real[1] += 1 + 100 * (m->last - m->time);
+        if (is(call, "UpdateDiscreteStates"))
+            m->has_next = true, m->next = m->last + 0.01125;
+        return 0;
+    }
+    #define HOOK hook
+"""
+"""Each event announces the next, which lies within a step; ``y`` has how long the parts were."""
+
+
+@pytest.mark.parametrize("start", [0, 10])
+def test_clocks_and_announced_events_count_from_the_start(tmp_path: Path, start: int) -> None:
+    """Intervals begin there, and event times are the model's."""
+    variables = scalar(3, "y", 1, causality="output") + clock(
+        "c", 10, "constant", intervalDecimal="0.03", shiftDecimal="0.01"
+    )
+    path = foreign_fmu(
+        tmp_path,
+        3,
+        variables,
+        snippet=ANNOUNCES,
+        structure='<Output valueReference="1"/>',
+        interface={"hasEventMode": "true"},
+    )
+    sink = MemorySink()
+    text = (
+        f"start_time: {start}\nduration: 0.2\nbase_rate: 100\n"
+        f"components: {{it: {{fmu: {path}, rate: 100}}}}\n"
+    )
+    with assemble(scenario_of(tmp_path, text)) as simulation:
+        simulation.run(sink)
+    assert sink.signal("it.c").tolist() == [0] + [1 + (tick - 1) // 3 for tick in range(1, 20)]
+    # 19 whole steps, each of which announced events have parted once or not.
+    parts = sink.signal("it.y")[-1] - 19
+    assert parts == pytest.approx(round(parts), abs=1e-6)
+    assert 25 < parts < 45
+
+
 def test_a_run_goes_on_from_a_snapshot_between_ticks_of_its_clocks(tmp_path: Path) -> None:
     loaded = scenario(tmp_path, clocked_fmu(tmp_path), extra=TURN)
     whole, rest = LateSink(), LateSink()

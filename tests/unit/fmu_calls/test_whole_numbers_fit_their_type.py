@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -90,8 +91,26 @@ def test_what_the_xml_gives_is_refused_in_its_line(tmp_path: Path, kind: str, te
     with pytest.raises(InputError) as caught:
         assemble(scenario_of(tmp_path, scenario_text(fmu_of(tmp_path, kind, u=text))))
     sentence = str(caught.value)
-    assert "modelDescription.xml" in sentence or "Schema" in sentence or "type" in sentence
-    assert text in sentence or "not valid" in sentence
+    assert re.search(
+        r"line \d+ of the modelDescription\.xml of .*foreign\.fmu: u: its start", sentence
+    )
+    assert text[:12] in sentence
+
+
+@pytest.mark.parametrize(("kind", "limits"), LIMITS.items())
+def test_the_least_and_the_most_of_the_xml_are_taken(
+    tmp_path: Path, kind: str, limits: tuple[int, int]
+) -> None:
+    for value in limits:
+        fmu = fmu_of(tmp_path, kind, u=str(value), p=str(value))
+        sink, _ = run(scenario_of(tmp_path, scenario_text(fmu)))
+        assert sink.signal("f.u").tolist() == [value, value]
+
+
+@pytest.mark.parametrize(("kind", "text"), BEYOND)
+def test_so_it_is_for_a_parameter_of_the_xml(tmp_path: Path, kind: str, text: str) -> None:
+    with pytest.raises(InputError, match=r"modelDescription\.xml of .*: p: its start"):
+        assemble(scenario_of(tmp_path, scenario_text(fmu_of(tmp_path, kind, p=text))))
 
 
 def test_a_real_that_a_float32_cannot_hold_is_refused(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fmus.builder import load_model
 from tests.support.fmus import fmu_support as support
 
 STEPPING = [name for name in (*support.MODELS, *support.PROBES) if name != "probe_failure"]
@@ -174,10 +175,11 @@ def test_cut_off_bytes_are_refused() -> None:
         free(fmu, state)
 
 
-def table(folder: Path, name: str, rows: int, height: float) -> str:
+def table(folder: Path, name: str, rows: int, height: float, columns: int = 2) -> str:
     """A file of ``rows`` rows a hundredth of a second apart, every value ``height``."""
     file = folder / name
-    file.write_text("".join(f"{0.01 * k:.2f}, {height}\n" for k in range(rows)))
+    values = f", {height}" * (columns - 1)
+    file.write_text("".join(f"{0.01 * k:.2f}{values}\n" for k in range(rows)))
     return str(file)
 
 
@@ -187,18 +189,36 @@ def table_signal(fmu: support.Fmu, file: str, stop_time: float = 100.0) -> None:
     fmu.start(stop_time=stop_time)
 
 
+READERS = {
+    "signal": ("mode", 4, "table_file", 2),
+    "operator": ("trajectory", 3, "trajectory_file", 3),
+}
+"""Models with a table: what has them read it, the number for that, the file, and its columns."""
+
+
+def test_every_model_with_a_table_is_looked_at() -> None:
+    assert {n for n in support.MODELS if load_model(n).state_ends_in_table} == set(READERS)
+
+
 @pytest.mark.parametrize("flavour", ["fmi2", "fmi3"])
+@pytest.mark.parametrize("name", READERS)
 def test_a_state_has_the_rows_of_its_table_and_no_room_for_more(
-    flavour: str, tmp_path: Path
+    name: str, flavour: str, tmp_path: Path
 ) -> None:
+    """Of none where no table is read, of as many as its file has where one is."""
+    choice, number, file, columns = READERS[name]
     sizes = []
-    for rows in (1, 101):
-        with support.Fmu("signal", flavour) as fmu:
-            table_signal(fmu, table(tmp_path, "t.csv", rows, 1.0))
+    for rows in (0, 1, 101):
+        with support.Fmu(name, flavour) as fmu:
+            if rows:
+                fmu.set(choice, number)
+                fmu.set(file, table(tmp_path, "t.csv", rows, 1.0, columns))
+            fmu.start(stop_time=100.0)
             state = save(fmu)
             sizes.append(len(serialise(fmu, state)))
             free(fmu, state)
-    assert sizes[1] - sizes[0] == 100 * 2 * 8
+    row = columns * 8
+    assert (sizes[1] - sizes[0], sizes[2] - sizes[1]) == (row, 100 * row)
     assert sizes[0] < 10_000
 
 

@@ -153,6 +153,7 @@ EXPORT int fmi3SetDebugLogging(Foreign *instance, bool on, size_t count, const c
 
 EXPORT int fmi2SetupExperiment(Foreign *instance, int d, double t, double from, int s, double to)
 {
+    instance->time = instance->last = from;
     ENTER("SetupExperiment");
     return 0;
 }
@@ -166,6 +167,7 @@ EXPORT int fmi2EnterInitializationMode(Foreign *instance)
 EXPORT int fmi3EnterInitializationMode(Foreign *instance, bool d, double t, double from, bool s,
                                        double to)
 {
+    instance->time = instance->last = from;
     ENTER("EnterInitializationMode");
     return 0;
 }
