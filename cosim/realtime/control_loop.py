@@ -22,8 +22,8 @@ from cosim.realtime.paced_loop import paced
 from cosim.realtime.pacing import Pacer
 from cosim.realtime.relay import RelaySink
 from cosim.realtime.ring import Ring
+from cosim.realtime.shared.text_ring import TextRing
 from cosim.realtime.signals import Ear
-from cosim.realtime.text_ring import TextRing
 from cosim.realtime.usage import Usage
 
 

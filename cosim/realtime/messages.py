@@ -12,7 +12,7 @@ from typing import Any
 from cosim.base.errors import CohapticError, InputError, RunError
 from cosim.base.system.grants import Grant
 from cosim.master.run.outcome import Outcome
-from cosim.realtime.text_ring import Change
+from cosim.realtime.shared.text_ring import Change
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """Recorded rows from the loop's process to the recorder's, through a ring a record group.
 
-Texts go through a ring of their own (``text_ring``).
+Texts go through a ring of their own (``shared/text_ring``).
 
 The loop's side is what the master calls a sink; the recorder's side feeds any other sink. Rows keep
 their bits. A recorder that cannot keep up never holds up the loop: rows that were overwritten
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cosim.base.recording import RecordGroup, Sink
 from cosim.realtime.ring import Reader, Ring
-from cosim.realtime.text_ring import TextRing
+from cosim.realtime.shared.text_ring import TextRing
 
 SECONDS = 8.0
 """How far a recorder may fall behind the loop."""

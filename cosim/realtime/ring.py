@@ -18,7 +18,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.realtime.shared_file import hold, new_path
+from cosim.realtime.shared.shared_file import hold, new_path
 
 _HEAD_CELLS = 8
 _MAGIC = 0x636F68617074

@@ -31,7 +31,7 @@ def ended(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("code", [BY_HAND, WHOLE], ids=["advance", "run"])
-@pytest.mark.parametrize("call", ["Instantiate", "initial Get", "DoStep", "Terminate"])
+@pytest.mark.parametrize("call", ["Instantiate", "ExitInitializationMode", "DoStep", "Terminate"])
 def test_exit_0_is_told_with_its_place_and_is_no_success(
     tmp_path: Path, call: str, code: str
 ) -> None:

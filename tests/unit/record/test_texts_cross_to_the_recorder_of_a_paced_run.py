@@ -18,7 +18,7 @@ from cosim.master.run.simulation import assemble
 from cosim.realtime.paced_loop import paced
 from cosim.realtime.pacing import DeadlinePacer
 from cosim.realtime.relay import RelayPump, RelaySink, make_rings, make_text_ring
-from cosim.realtime.text_ring import TextRing
+from cosim.realtime.shared.text_ring import TextRing
 from cosim.scenario import Scenario
 from tests.support.master.master_support import run, scenario_of
 

@@ -15,7 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from cosim.realtime.shared_file import SharedFile
+from cosim.realtime.shared.shared_file import SharedFile
 
 CAPACITY = 8 << 20
 """Bytes; a longer text waits for the end of the run."""
