@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 from cosim.scenario import Kind, Scenario
 
 if TYPE_CHECKING:
@@ -95,10 +96,11 @@ def _pantograph(part: ScenarioComponent) -> Described:
     at = 1 if name == "haply" else 0
     known = {**presets("GEOMETRY"), "torque_limit": presets("DYNAMICS")["torque_limit"]}
 
-    def value(parameter: str) -> float:
+    def value(parameter: str, unit: str = "m") -> float:
         own = given.get(parameter, -1.0)
-        assert isinstance(own, (int, float)), "read as a number"
-        return known[parameter][at] if own == -1 else float(own)
+        assert isinstance(own, (int, float, str)), "one value"
+        found = float(quantity(own, unit))
+        return known[parameter][at] if found == -1 else found
 
     delay = given.get("computation_delay_ticks", 0)
     return Described(
@@ -108,6 +110,6 @@ def _pantograph(part: ScenarioComponent) -> Described:
             base=value("base_distance"),
         ),
         preset=model_of(name),
-        limit=value("torque_limit"),
+        limit=value("torque_limit", "N.m"),
         latency_ticks=int(delay) if isinstance(delay, (int, float)) else 0,
     )

@@ -66,8 +66,9 @@ def stretches(
     for recording, step in zip(recordings, steps, strict=True):
         kernel = Kernel(width=WIDTH, tick=recording.tick)
         shortest = 6 * kernel.reach
-        for rows in recording.stretches(shortest, step):
-            made = _stretch(bar, recording, kernel, rows, still)
+        bridged = recording.bridged()
+        for rows in bridged.stretches(shortest, step):
+            made = _stretch(bar, bridged, kernel, rows, still)
             seconds += (rows.stop - rows.start) * recording.tick
             if len(made.chosen):
                 found.append(made)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 from cosim.base.suggest import did_you_mean
 from cosim.identification.five_bar import Array
 from cosim.identification.samples import Recording
@@ -50,17 +51,39 @@ def component_of(run: Run, wanted: str | None) -> str:
 
 
 def payload_of(scenario: Scenario, component: str) -> float | None:
-    """The mass (kg) that the excitation's own parameters put on the tip of a device."""
+    """The mass (kg) on the tip of a device that a run's scenario tells, ``None`` where it does not.
+
+    Of a device it is the one that the excitation was planned for; a simulated pantograph says by
+    itself which hand it carries.
+    """
+    device = scenario.components.get(component)
+    if device is not None and device.is_bundled and device.source == "pantograph":
+        return _mass(device.parameters.get("finger_mass", _usual_hand()))
     movers = {
         each.source.component for each in scenario.connections if each.target.component == component
     }
     for name in movers:
         part = scenario.components.get(name)
         if part is not None and part.source == EXCITATION and "payload" in part.parameters:
-            value = part.parameters["payload"]
-            assert isinstance(value, (int, float)), "read as a number"
-            return float(value)
+            return _mass(part.parameters["payload"])
     return None
+
+
+def _mass(value: object) -> float:
+    assert isinstance(value, (int, float, str)), "one value"
+    return float(quantity(value, "kg"))
+
+
+def _usual_hand() -> object:
+    """The mass (kg) that a simulated pantograph carries unless it is told otherwise."""
+    from fmus.pantograph.variables import MODEL
+    from fmus.table import ModelVariable
+
+    return next(
+        each.start
+        for each in MODEL.variables
+        if isinstance(each, ModelVariable) and each.name == "finger_mass"
+    )
 
 
 def recording(

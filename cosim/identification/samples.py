@@ -1,14 +1,15 @@
 """What the records of one device give: its geometry, and rows with torque, angle and force.
 
-A row counts where its sample is new and the output was on, where no joint was at its torque limit,
-and where the clock goes on by one tick; runs of such rows are smoothed each for itself.
+A row counts where its sample is new, or one or two ticks late, and the output was on, where no
+joint was at its torque limit, and where the clock goes on by one tick; runs of such rows are
+smoothed each for itself.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from cosim.identification.five_bar import Array, FiveBar
 
 OUTPUT_ENABLED, ACTIVE = 8, 2
 """Bits of a device's ``status``."""
+BRIDGED = 2
+"""Ticks without a new sample that are bridged; a device that moves on its own clock has them."""
 AT_LIMIT = 0.995
 """Share of the torque limit from which on a joint counts as saturated."""
 
@@ -51,6 +54,46 @@ class Recording:
         """Rows whose measurements are new."""
         fresh = self.age == 0
         return fresh if self.force_age is None else fresh & (self.force_age == 0)
+
+    def bridged(self) -> Recording:
+        """With what was measured where samples were late, on the line between their neighbours.
+
+        Two clocks that are not one make a tick without a sample every now and then. What a line
+        leaves out of the motion in three ticks is a small part of an encoder's count.
+        """
+        fresh = np.flatnonzero(self.fresh())
+        late = np.diff(fresh) - 1
+        ends = fresh[1:][(late > 0) & (late <= BRIDGED)]
+        before = np.searchsorted(fresh, ends) - 1
+        rows = np.array(
+            [
+                row
+                for end, at in zip(ends, before, strict=True)
+                for row in range(fresh[at] + 1, end)
+            ],
+            dtype=np.intp,
+        )
+        if not len(rows):
+            return self
+
+        def filled(values: Array) -> Array:
+            new = values.copy()
+            for column in range(values.shape[1]):
+                new[rows, column] = np.interp(rows, fresh, values[fresh, column])
+            return new
+
+        age = self.age.copy()
+        age[rows] = 0
+        force_age = None if self.force_age is None else self.force_age.copy()
+        if force_age is not None:
+            force_age[rows] = 0
+        return replace(
+            self,
+            angle=filled(self.angle),
+            age=age,
+            force=None if self.force is None else filled(self.force),
+            force_age=force_age,
+        )
 
     def pushing(self) -> NDArray[np.bool_]:
         """Rows in which torque was let out."""
