@@ -107,6 +107,12 @@ def moment(program: Program) -> str:
 
 
 def _out_of_range(program: Program, when: str) -> str:
+    if program.kernel.kind == OperationKind.CONVERT:
+        number = int(program.cells[program.kernel.cell])
+        return (
+            f"{_variable(program)} cannot be {number} at {when}: a real number is as exact as "
+            f"that up to {2**53}"
+        )
     kind = _type(program)
     cell = program.cells[program.kernel.cell : program.kernel.cell + 1]
     at_event = program.kernel.event_call == EventCall.GET

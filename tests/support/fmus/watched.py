@@ -23,15 +23,23 @@ from tests.support.fmus.hosted import GLUE
 FLAGS = ("-std=gnu11", "-O1", "-g", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 KERNEL = "kernel.so"
+FREESTANDING = ("runtime.c",)
+"""Of the kernel: what a program has of its C library, where it has one."""
 TICKS = 320
 
 
 def build(folder: Path, watching: Sequence[str] = ()) -> None:
     """The kernel, and an archive of each model and flavour, in ``folder``; with gcc's options."""
-    sources = [path for path in kernel_build.SOURCES.glob("*.c") if path.name != "runtime.c"]
-    _compile(folder / KERNEL, [*watching, f"-I{kernel_build.SOURCES}"], sources)
+    build_kernel(folder, watching)
     for name in fmus.model_names():
         _compile_model(name, folder, watching)
+
+
+def build_kernel(folder: Path, watching: Sequence[str] = (), more: Sequence[Path] = ()) -> None:
+    """The kernel alone, with ``more`` C files."""
+    sources = [path for path in kernel_build.SOURCES.glob("*.c") if path.name not in FREESTANDING]
+    options = [*watching, f"-I{kernel_build.SOURCES}"]
+    _compile(folder / KERNEL, options, [*sources, *more])
 
 
 def _compile_model(name: str, folder: Path, watching: Sequence[str]) -> None:

@@ -59,7 +59,7 @@ def variable_of(
     kind = _FMI2_TYPES[variable.type] if version == 2 else VariableType(variable.type)
     declared = variable.declaredType
     unit = variable.unit or (declared.unit if declared is not None else None)
-    items = {item.name: int(item.value) for item in declared.items} if declared is not None else {}
+    items = _items(declared)
     return Variable(
         name=variable.name,
         type=kind,
@@ -70,8 +70,8 @@ def variable_of(
         if kind.is_text
         else _start(variable.start, kind),
         shape=shapes.of(variable),
-        minimum=_bound(variable.min),
-        maximum=_bound(variable.max),
+        minimum=_bound("min", variable.min),
+        maximum=_bound("max", variable.max),
         description=variable.description or "",
         items=items or None,
         is_relative=is_relative
@@ -124,8 +124,40 @@ def _text_start(given: Any, kind: VariableType) -> Any:
     return contents[0] if len(contents) == 1 else contents
 
 
-def _bound(text: str | None) -> float | None:
-    return None if text is None else float(text)
+def _items(declared: Any) -> dict[str, int]:
+    """The numbers of an enumeration's items, by their names.
+
+    Raises:
+        ValueError: one is none.
+    """
+    found: dict[str, int] = {}
+    if declared is None:
+        return found
+    for item in declared.items:
+        try:
+            found[item.name] = int(_plain(str(item.value)))
+        except ValueError:
+            said = f"{declared.name} has the item {item.name} with the value {item.value}"
+            raise ValueError(f"its type {said}, which is no whole number") from None
+    return found
+
+
+def _bound(which: str, text: str | None) -> float | None:
+    try:
+        return None if text is None else float(_plain(text))
+    except ValueError:
+        raise ValueError(f"its {which}, {text}, is no number") from None
+
+
+def _plain(word: str) -> str:
+    """A number as XML writes it: Python takes 1_000 and digits of other scripts, too.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if not word.isascii() or "_" in word:
+        raise ValueError(word)
+    return word
 
 
 def _start(text: str | None, kind: VariableType) -> Any:
@@ -146,7 +178,7 @@ def _scalar(word: str, kind: VariableType) -> float | int | bool:
             raise ValueError(f"its start, {word}, is neither true nor false")
         return _TRUTHS[word]
     try:
-        value = float(word) if kind.is_float else int(word)
+        value = float(_plain(word)) if kind.is_float else int(_plain(word))
     except ValueError:
         raise ValueError(f"its start, {word}, is not of type {kind}") from None
     if problem := misfit(kind, value):

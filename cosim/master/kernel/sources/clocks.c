@@ -93,7 +93,7 @@ Outcome activate_clocks(Kernel *kernel, Instance *instance, int64_t clocks)
         if ((clocks >> i & 1) == 0)
             continue;
         EventClock *clock = &e->clocks[i];
-        bool active = true;
+        Truth active = 1;
         kernel->event_call = EVENT_CALL_SET_CLOCK;
         ClockAccess set = (ClockAccess)e->set_clock;
         Outcome outcome =
@@ -120,7 +120,7 @@ Outcome ask_clocks(Kernel *kernel, Instance *instance, int64_t *active)
             if (clock->kind != CLOCK_KIND_TOLD || (asked >> i & 1)
                 || (clock->of && !(clock->of & *active)))
                 continue;
-            bool ticks = false;
+            Truth ticks = 0;
             kernel->event_call = EVENT_CALL_GET_CLOCK;
             ClockAccess get = (ClockAccess)e->get_clock;
             Outcome outcome =
@@ -128,7 +128,7 @@ Outcome ask_clocks(Kernel *kernel, Instance *instance, int64_t *active)
             if (outcome != OUTCOME_DONE)
                 return outcome;
             asked |= (int64_t)1 << i;
-            *active |= (int64_t)ticks << i;
+            *active |= (int64_t)(ticks != 0) << i;
         }
     } while (*active != before);
     return OUTCOME_DONE;

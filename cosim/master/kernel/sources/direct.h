@@ -56,7 +56,7 @@ static inline Outcome step_once(Kernel *kernel, Instance *instance, double time)
     if (instance->version == 2) {
         status = ((Step2)instance->do_step)(instance->instance, time, instance->step, 1);
     } else {
-        bool event = false, terminate = false, early_return = false;
+        Truth event = 0, terminate = 0, early_return = 0;
         double last_time = time;
         status = ((Step3)instance->do_step)(instance->instance, time, instance->step, true, &event,
                                             &terminate, &early_return, &last_time);

@@ -68,7 +68,7 @@ static Outcome iterate(Kernel *kernel, Instance *instance, Instant now, int64_t 
     Events *e = instance->events;
     Outcome outcome = set_changed(kernel, instance);
     for (int64_t count = 0; outcome == OUTCOME_DONE; count++) {
-        bool again = false, terminate = false, nominals = false, states = false, has_next = false;
+        Truth again = 0, terminate = 0, nominals = 0, states = 0, has_next = 0;
         double next = 0.0;
         const int64_t given = active;
         if (count == MOST_UPDATES)
@@ -136,7 +136,7 @@ static Outcome follow(Kernel *kernel, Instance *instance, int64_t step, double b
     const double margin = 1e-9 * instance->step;
     double at = begin;
     for (int64_t count = 0;; count++) {
-        bool needs_event = false, terminate = false, early = false;
+        Truth needs_event = 0, terminate = 0, early = 0;
         double next = e->next->real;
         bool is_split = e->may_return && next > at + margin && next < end - margin;
         double target = is_split ? next : end, last = target;

@@ -80,10 +80,10 @@ typedef struct Events {
 } Events;
 
 typedef int (*ModeCall)(void *instance);
-typedef int (*UpdateStates)(void *instance, bool *again, bool *terminate, bool *nominals,
-                            bool *states, bool *has_next, double *next);
+typedef int (*UpdateStates)(void *instance, Truth *again, Truth *terminate, Truth *nominals,
+                            Truth *states, Truth *has_next, double *next);
 typedef int (*ClockAccess)(void *instance, const uint32_t *references, size_t count,
-                           bool *values);
+                           Truth *values);
 typedef int (*IntervalAccess)(void *instance, const uint32_t *references, size_t count,
                               double *intervals, int *qualifiers);
 typedef int (*ShiftAccess)(void *instance, const uint32_t *references, size_t count,

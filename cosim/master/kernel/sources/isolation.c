@@ -148,8 +148,8 @@ static int step2(void *instance, double time, double step, int no_set_state_befo
     return ask_other(own, REQUEST_STEP);
 }
 
-static int step3(void *instance, double time, double step, bool no_set_state_before, bool *event,
-                 bool *terminate, bool *early_return, double *last_time)
+static int step3(void *instance, double time, double step, bool no_set_state_before, Truth *event,
+                 Truth *terminate, Truth *early_return, double *last_time)
 {
     Isolation *own = instance;
     Exchange *e = own->exchange;
@@ -208,13 +208,13 @@ static int serve(const Isolation *own, void *instance)
         void *function = own->functions[0];
         if (own->version == 2)
             return ((Step2)function)(instance, e->time, e->step, 1);
-        bool event = false, terminate = false, early_return = false;
+        Truth event = 0, terminate = 0, early_return = 0;
         double last_time = e->time;
         int status = ((Step3)function)(instance, e->time, e->step, true, &event, &terminate,
                                        &early_return, &last_time);
-        e->event = event;
-        e->terminate = terminate;
-        e->early_return = early_return;
+        e->event = event != 0;
+        e->terminate = terminate != 0;
+        e->early_return = early_return != 0;
         e->last_time = last_time;
         return status;
     }

@@ -17,8 +17,8 @@ static int leave(void *own)
     return ask_other(own, REQUEST_EVENTS + LEAVE);
 }
 
-static int update(void *instance, bool *again, bool *terminate, bool *nominals, bool *states,
-                  bool *has_next, double *next)
+static int update(void *instance, Truth *again, Truth *terminate, Truth *nominals,
+                  Truth *states, Truth *has_next, double *next)
 {
     Isolation *own = instance;
     int status = ask_other(own, REQUEST_EVENTS + UPDATE);
@@ -42,14 +42,14 @@ static int ask_about(Isolation *own, int64_t call, const uint32_t *references)
     return ask_other(own, REQUEST_EVENTS + call);
 }
 
-static int set_clock(void *own, const uint32_t *references, size_t count, bool *values)
+static int set_clock(void *own, const uint32_t *references, size_t count, Truth *values)
 {
     (void)count;
     (void)values; /* a clock is only ever activated: the FMU lets it rest again itself */
     return ask_about(own, SET_CLOCK, references);
 }
 
-static int get_clock(void *instance, const uint32_t *references, size_t count, bool *values)
+static int get_clock(void *instance, const uint32_t *references, size_t count, Truth *values)
 {
     Isolation *own = instance;
     (void)count;
@@ -102,23 +102,22 @@ int serve_event_call(const Isolation *own, void *instance)
     Exchange *e = own->exchange;
     void *function = own->functions[e->request];
     const uint32_t *references = references_of(e);
-    bool again = false, terminate = false, nominals = false, states = false, has_next = false;
-    bool active = true;
+    Truth again = 0, terminate = 0, nominals = 0, states = 0, has_next = 0, active = 1;
     double value = 0.0;
     int status, qualifier = 0;
     switch (e->request - REQUEST_EVENTS) {
     case UPDATE:
         status = ((UpdateStates)function)(instance, &again, &terminate, &nominals, &states,
                                           &has_next, &value);
-        e->event = again * AGAIN + terminate * TERMINATE + nominals * NOMINALS + states * STATES
-                 + has_next * HAS_NEXT;
+        e->event = (again ? AGAIN : 0) | (terminate ? TERMINATE : 0) | (nominals ? NOMINALS : 0)
+                 | (states ? STATES : 0) | (has_next ? HAS_NEXT : 0);
         break;
     case SET_CLOCK:
         return ((ClockAccess)function)(instance, references, 1, &active);
     case GET_CLOCK:
-        active = false;
+        active = 0;
         status = ((ClockAccess)function)(instance, references, 1, &active);
-        e->event = active;
+        e->event = active != 0;
         break;
     case GET_INTERVAL:
         status = ((IntervalAccess)function)(instance, references, 1, &value, &qualifier);

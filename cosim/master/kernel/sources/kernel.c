@@ -8,13 +8,25 @@ static inline void copy(Cell *cells, const int32_t *pairs, int64_t count)
         cells[pairs[1]] = cells[pairs[0]];
 }
 
-static void convert(Cell *cells, const Conversion *conversions, int64_t count)
+/* A whole number that no double is, stays one in the cell of what it was for. */
+static Outcome convert(Kernel *kernel, const Conversion *conversions, int64_t count)
 {
+    Cell *cells = kernel->cells;
     for (int64_t i = 0; i < count; i++) {
         const Conversion *c = &conversions[i];
-        double value = c->from_integer ? (double)cells[c->source].integer : cells[c->source].real;
+        double value = cells[c->source].real;
+        if (c->from_integer) {
+            const int64_t whole = cells[c->source].integer;
+            value = (double)whole;
+            if (value >= 0x1p63 || (int64_t)value != whole) {
+                cells[c->target].integer = whole;
+                kernel->cell = c->target;
+                return OUTCOME_RANGE;
+            }
+        }
         cells[c->target].real = value * c->gain + c->offset;
     }
+    return OUTCOME_DONE;
 }
 
 static bool record(Record *target, const Cell *cells, const int32_t *columns, int64_t count)
@@ -137,7 +149,7 @@ static Outcome execute(Kernel *kernel)
             copy(cells, op->table, op->cell_count);
             break;
         case KIND_CONVERT:
-            convert(cells, op->table, op->cell_count);
+            outcome = convert(kernel, op->table, op->cell_count);
             break;
         case KIND_SET_FLOAT64:
             outcome = set_run(kernel, &op, length, time);

@@ -312,8 +312,11 @@ typedef int (*Access2)(void *instance, const uint32_t *references, size_t count,
 typedef int (*Access3)(void *instance, const uint32_t *references, size_t count, void *values,
                        size_t value_count);
 typedef int (*Step2)(void *instance, double time, double step, int no_set_state_before);
+/* What an FMU says with a bool: any byte but 0 is true, and not every FMU writes 1. */
+typedef unsigned char Truth;
+
 typedef int (*Step3)(void *instance, double time, double step, bool no_set_state_before,
-                     bool *event, bool *terminate, bool *early_return, double *last_time);
+                     Truth *event, Truth *terminate, Truth *early_return, double *last_time);
 
 Outcome get_values(Kernel *kernel, const Operation *operation, Instance *instance);
 Outcome set_values(Kernel *kernel, const Operation *operation, Instance *instance);

@@ -364,6 +364,7 @@ EXPORT int fmi3UpdateDiscreteStates(Foreign *instance, bool *again, bool *termin
 }
 #endif
 
+#ifndef STEP_OF_ITS_OWN
 EXPORT int fmi3DoStep(Foreign *instance, double time, double step, bool no_set_state, bool *event,
                       bool *terminate, bool *early, double *last)
 {
@@ -377,3 +378,4 @@ EXPORT int fmi3DoStep(Foreign *instance, double time, double step, bool no_set_s
     *last = instance->last;
     return 0;
 }
+#endif
