@@ -36,6 +36,7 @@ def try_to_start(simulation: Simulation, seconds: float = START_SECONDS) -> None
         with simulation:
             simulation.rehearse(lambda _component, _what: None)
         return
+    simulation.whereabouts.is_watched = True  # by this process
     said, tell = os.pipe()
     child = os.fork()
     if child == 0:

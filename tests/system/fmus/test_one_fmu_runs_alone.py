@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -182,3 +183,24 @@ def test_a_folder_without_a_model_is_a_sentence(here: Path, text: str | None, sa
     done = cohaptic("fmu", "build", "./mine")
     assert done.exit_code == 2
     assert said in done.output
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the start is tried in a fork")
+def test_an_fmu_that_ends_its_process_is_told_with_its_own_status(
+    here: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Once, and by the command."""
+    snippet = """
+        void exit(int);
+        static int hook(Foreign *m, const char *call)
+        {
+            if (is(call, "EnterInitializationMode"))
+                exit(0);
+            return 0;
+        }
+        #define HOOK hook
+    """
+    fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0"), snippet=snippet)
+    found = json.loads(cohaptic("fmu", "validate", str(fmu), "--json").stdout)
+    assert "foreign ended the process (exit status 0)" in found["failure"]
+    assert "ended this process" not in capfd.readouterr().err
