@@ -24,6 +24,8 @@ PERIODS = 4
 SHARE = 0.03
 """Of the step of each coordinate: 0.3 µm, 0.3 µN."""
 CLOSE = 1e-5
+AT = Fraction(10)
+"""Where both scenarios end, and rest (s)."""
 WAY = (
     "components.way={fmu: signal, station: station_a, rate: control, parameters: "
     "{mode: constant, amplitude: 100}}"
@@ -33,7 +35,7 @@ OPERATORS = [f"components.operator_{finger}" for finger in ("a1", "a2", "b1", "b
 
 @cache
 def base(name: str) -> np.ndarray:
-    with ask(read(name)) as asked:
+    with ask(read(name), at=AT) as asked:
         return asked.point().matrix
 
 
@@ -60,7 +62,7 @@ def differs(one: np.ndarray, other: np.ndarray, size: np.ndarray) -> bool:
 
 def check(name: str, sets: list[str], seed: int) -> bool:
     """Whether it was answered for; an answer is held against the run."""
-    with ask(read(name, (), sets)) as asked:
+    with ask(read(name, (), sets), at=AT) as asked:
         try:
             point = asked.point()
         except InputError:  # by name, which is an answer as well

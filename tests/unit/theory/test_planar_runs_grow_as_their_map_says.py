@@ -72,8 +72,8 @@ def check(name: str, sets: list[str]) -> None:
         shape = np.real(mode.shape * np.exp(-1j * np.angle(mode.shape[np.argmax(abs(mode.shape))])))
         swings = mode.frequency > 0.0
         found = fitted(point.run, 1e-6 * shape / np.abs(shape).max(), swings=swings)
-        assert abs(found) == pytest.approx(abs(value), rel=1e-3)
-        assert abs(cmath.phase(found)) == pytest.approx(abs(cmath.phase(value)), rel=1e-3)
+        assert abs(found) == pytest.approx(abs(value), rel=1e-5)
+        assert abs(cmath.phase(found)) == pytest.approx(abs(cmath.phase(value)), rel=1e-5)
 
 
 @pytest.mark.parametrize("number", range(len(RUNS)))
