@@ -68,6 +68,7 @@ def test_a_design_takes_less_than_three_tenths_of_a_second() -> None:
     assert min(times) < 0.3
 
 
+@pytest.mark.slow
 def test_late_packets_hold_in_the_simulation() -> None:
     """Jitter too: each packet draws its delay in the run's own maps."""
     parameters, steady = random_case(1)
