@@ -193,6 +193,20 @@ EXTENSIONS: tuple[Statement, ...] = (
                 *both_copies(deadband=1e-6),
                 number=2,
             ),
+            ablation(
+                "grasp_deadband",
+                "deadband",
+                "a hundred in place of a tenth: nothing is renewed",
+                *both_copies(deadband=100, deadband_longest=100000),
+                number=3,
+            ),
+            ablation(
+                "grasp_deadband",
+                "deadband",
+                "one in place of a tenth, and no renewal after a while",
+                *both_copies(deadband=1, deadband_longest=100000),
+                number=4,
+            ),
         ),
     ),
 )
