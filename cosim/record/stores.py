@@ -12,11 +12,15 @@ from numpy.typing import NDArray
 
 from cosim.base.recording import Column, MemorySink
 from cosim.record.old_meaning import old_meaning
-from cosim.record.table import TABLE, read_entry, read_table
+from cosim.record.table import TABLE, Entry, entries_of, entry_at, read_entry, read_names
 from cosim.record.texts.recorded import RecordedText
 
 Place = tuple[Column, Any, int | None]
 """A signal, what its values are read from, and the row there that is the signal's."""
+
+
+SINGLY = 4
+"""Entries of a table that are read one by one: whoever asks for more asks for many."""
 
 
 class GroupStore(Protocol):
@@ -55,6 +59,7 @@ class FileStore:
         self.rows = int(node["rows"][()])
         self.capacity = int(node["tick"].shape[0])
         self._node = node
+        self._singly = 0
 
     def ticks(self, start: int, stop: int) -> NDArray[np.int64]:
         """Base ticks of rows ``start`` to ``stop``, shape (stop - start,)."""
@@ -63,23 +68,36 @@ class FileStore:
     @property
     def names(self) -> Collection[str]:
         """Every signal, in the order in which they were recorded."""
-        return self._entries
+        return self._numbers
 
     def place(self, name: str) -> Place:
         """A signal, and where its values are."""
-        entry = self._entries[name]
+        number = self._numbers[name]
         if TABLE not in self._node:
-            return _described(entry), entry, None
+            return _described(self._datasets[number]), self._datasets[number], None
+        self._singly += 1
+        is_one = self._singly <= SINGLY
+        entry = entry_at(self._node, number) if is_one else self._entries[number]
         column, place, row = read_entry(entry)
         return column, self._node[place], row
 
     @cached_property
-    def _entries(self) -> dict[str, Any]:
-        """The entry of each signal in the table; in format 1 its dataset."""
+    def _numbers(self) -> dict[str, int]:
+        """The place of each signal among the entries of the table."""
         if TABLE in self._node:
-            return dict(read_table(self._node))
-        nodes = [node for key, node in self._node.items() if key not in {"rows", "tick"}]
-        return {str(node.attrs["name"]): node for node in nodes}
+            names = read_names(self._node)
+        else:
+            names = [str(dataset.attrs["name"]) for dataset in self._datasets]
+        return {name: number for number, name in enumerate(names)}
+
+    @cached_property
+    def _entries(self) -> list[Entry]:
+        return entries_of(self._node)
+
+    @cached_property
+    def _datasets(self) -> list[Any]:
+        """Of format 1: one for each signal."""
+        return [node for key, node in self._node.items() if key not in {"rows", "tick"}]
 
     def texts(self) -> Sequence[RecordedText]:
         """Every text with its changes, read from the folder."""

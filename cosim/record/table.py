@@ -52,13 +52,19 @@ def write_table(group: Any, columns: Sequence[Column]) -> None:
     group.create_dataset(TABLE, data=table)
 
 
-def read_table(group: Any) -> dict[str, Entry]:
-    """The entry of every column of ``group`` by its name, in the order in which they were written.
+def read_names(group: Any) -> list[str]:
+    """The name of every column of ``group``, in the order in which they were written."""
+    return [name.decode() for name in group[TABLE].fields("name")[()].tolist()]
 
-    They are read at once, and understood where somebody asks for them (``read_entry``): a run has
-    hundreds, and most readers want one.
-    """
-    return {entry[0].decode(): entry for entry in group[TABLE][()].tolist()}
+
+def entry_at(group: Any, number: int) -> Entry:
+    """The entry of one column."""
+    return group[TABLE][number].tolist()
+
+
+def entries_of(group: Any) -> list[Entry]:
+    """Every entry, read at once, and understood where somebody asks for it (``read_entry``)."""
+    return group[TABLE][()].tolist()
 
 
 def read_entry(entry: Entry) -> tuple[Column, str, int]:
