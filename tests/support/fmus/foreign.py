@@ -10,12 +10,16 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import os
+import shutil
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from cosim.master.fmu.binding import platform_folder
-from fmus.compiler import compile_library, host_platform
+from fmus import compiler
+from fmus.cache import cache_directory
+from fmus.compiler import host_platform
 from tests.support.scratch import scratch_folder
 
 SOURCE = Path(__file__).parent / "native" / "foreign.c"
@@ -81,13 +85,24 @@ def foreign_fmu(
 
 @functools.cache
 def _library(snippet: str) -> bytes:
-    """Compiled with the pinned compiler; what it takes of the C library, the process has."""
-    name = hashlib.sha256(snippet.encode()).hexdigest()[:12]
-    folder = scratch_folder("test")
-    (folder / "snippet.h").write_text(snippet)
-    library = folder / f"{name}{host_platform().suffix}"
-    compile_library(host_platform(), library, [SOURCE], include=[folder])
-    return library.read_bytes()
+    """Compiled with the pinned compiler; what it takes of the C library, the process has.
+
+    Kept by the content of all that it is made of, for other processes and later runs.
+    """
+    state = hashlib.sha256(snippet.encode())
+    for file in (SOURCE, Path(compiler.__file__)):
+        state.update(file.read_bytes())
+    kept = cache_directory() / "tests" / f"{state.hexdigest()}{host_platform().suffix}"
+    if not kept.is_file():
+        folder = scratch_folder("test")
+        (folder / "snippet.h").write_text(snippet)
+        library = folder / f"{state.hexdigest()[:12]}{host_platform().suffix}"
+        compiler.compile_library(host_platform(), library, [SOURCE], include=[folder])
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        whole = kept.with_name(f"{kept.name}.{os.getpid()}")
+        shutil.copyfile(library, whole)
+        whole.replace(kept)
+    return kept.read_bytes()
 
 
 def _attributes(values: Mapping[str, str]) -> str:

@@ -54,7 +54,7 @@ def test_no_motion_of_a_pointer_breaks_a_run(tmp_path, name, seed):
 
 
 def test_a_take_that_is_run_again_has_the_same_digest(tmp_path):
-    users, scenario = handed("two_users_box", tmp_path, "duration=6 s")
+    users, scenario = handed("two_users_box", tmp_path, "duration=2 s")
     hands = {user.pointer: Restless(n) for n, user in enumerate(users)}
     take = tmp_path / "take"
     run_scenario(scenario, take, figure=False, instances=hands)

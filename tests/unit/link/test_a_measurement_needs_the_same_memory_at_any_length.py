@@ -36,7 +36,7 @@ def test_memory_does_not_grow_with_the_packets() -> None:
         return work
 
     run(100)()
-    assert peak(run(128_000)) < peak(run(8_000)) + 10_000
+    assert peak(run(32_000)) < peak(run(4_000)) + 10_000
 
 
 def journey(count: int, seed: int):
