@@ -6,6 +6,7 @@ others as ghosts, fingers by contact state, forces to scale.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from math import atan2, ceil, cos, hypot, isfinite, sin
@@ -15,7 +16,7 @@ import numpy as np
 
 from cosim.render.colours import Colour, colours, mixed
 from cosim.render.poses import Poses
-from cosim.render.view import Point, view_of
+from cosim.render.view import Point, corners, view_of
 
 OVERSAMPLED = 2
 FORCE_SCALE = 0.02
@@ -154,7 +155,9 @@ class Painter:
         place, angle = self._poses.pair(box["pose"]), self._poses.one(box["pose"][2])
         if place is None or angle is None or not np.isfinite(place[number]).all():
             return
-        outline = self._nodes(box, number) or _corners(place[number], angle[number], box["side"])
+        outline = self._nodes(box, number) or corners(place[number], angle[number], box["side"])
+        if not np.isfinite(outline).all():
+            return
         colour = self._user(box["station"])
         closed = [*outline, outline[0]]
         if is_ghost:
@@ -177,6 +180,8 @@ class Painter:
         tip = self._poses.pair(finger["position"])
         angles = None if device is None else self._poses.pair(device["angles"])
         if device is None or tip is None or angles is None:
+            return
+        if not np.isfinite([*tip[number], *angles[number]]).all():
             return
         x, y, turn = device["base"]
         colour = self._soft(self._user(finger["station"]), 0.35)
@@ -211,7 +216,8 @@ class Painter:
         if forces is not None and isfinite(size) and size > WEAK:
             self._arrow(pen, (x, y), forces[number], colour)
         states = self._poses.one(finger["state"])
-        state = (2 if size > WEAK else FREE) if states is None else int(states[number])
+        told = math.nan if states is None else states[number]
+        state = int(told) if isfinite(told) else 2 if size > WEAK else FREE
         slide = self._colours["slide"]
         rim = slide if state == SLIDING else colour
         self._dot(pen, (x, y), 9, rim)
@@ -228,7 +234,7 @@ class Painter:
                 name = f"{finger['station'].removeprefix('station_')}{finger['finger']}"
                 shown.append((name, self._view.at(places[number])))
                 forces = self._poses.pair(finger["force"])
-                if forces is not None and hypot(*forces[number]) > WEAK:
+                if forces is not None and WEAK < hypot(*forces[number]) < math.inf:
                     half = places[number] + 0.5 * FORCE_SCALE * forces[number]
                     arrows.append(self._view.at(half))
         taken = [*(place for _, place in shown), *arrows]
@@ -289,9 +295,3 @@ class Painter:
 def _are_apart(one: Point, other: Point) -> bool:
     across, up = (abs(a - b) / OVERSAMPLED for a, b in zip(one, other, strict=True))
     return across > NAME_SIZE[0] or up > NAME_SIZE[1]
-
-
-def _corners(place: Sequence[float], angle: float, side: float) -> list[Point]:
-    c, s, h = cos(angle), sin(angle), side / 2
-    turned = ((-h, -h), (h, -h), (h, h), (-h, h))
-    return [(place[0] + c * u - s * v, place[1] + s * u + c * v) for u, v in turned]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -63,3 +64,10 @@ def view_of(scene: Mapping[str, Any], poses: Poses, size: tuple[int, int], title
     scale = min(size[0] / (high[0] - low[0]), (size[1] - title) / (high[1] - low[1]))
     middle = (low + high) / 2
     return View(float(middle[0]), float(middle[1]), float(scale), size, title)
+
+
+def corners(place: Sequence[float], angle: float, side: float) -> list[Point]:
+    """Of a square (m) that is turned by an angle (rad) about its place, all the way round."""
+    c, s, h = cos(angle), sin(angle), side / 2
+    turned = ((-h, -h), (h, -h), (h, h), (-h, h))
+    return [(place[0] + c * u - s * v, place[1] + s * u + c * v) for u, v in turned]

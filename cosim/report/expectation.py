@@ -184,14 +184,18 @@ class _Parser:
         frequency = self.entries.get("frequency")
         if frequency is not None and not isinstance(frequency, int | float):
             raise InputError(f"frequency is a number in rad/s, not {show(frequency)}.")
+        if frequency is not None and not 0 < frequency < math.inf:
+            raise InputError(f"frequency is a number above 0 in rad/s, not {show(frequency)}.")
         predicates = {key: value for key, value in self.entries.items() if key not in OPTIONS}
         if not predicates:
             raise InputError(f"{self.text} expects nothing; write a predicate such as max_below.")
         found: list[Expectation] = []
+        has_amplitude = False
         for key, threshold in predicates.items():
             name, comparison = self._predicate(key, of_signal=target is not None)
             if name == "amplitude" and frequency is None:
                 raise InputError("an amplitude needs the frequency (rad/s) beside it.")
+            has_amplitude |= name == "amplitude"
             dimension = _OWN_UNITS.get(name, unit)
             found.append(
                 Expectation(
@@ -205,6 +209,10 @@ class _Parser:
                     frequency=frequency,
                     unit=dimension,
                 )
+            )
+        if frequency is not None and not has_amplitude:
+            raise InputError(
+                "frequency has no effect: it is that of an amplitude, and none is expected."
             )
         return found
 

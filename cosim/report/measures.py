@@ -104,7 +104,9 @@ def _contact_losses(measured: Inspection, window: TickRange | None) -> float | N
     if held is None:
         return None
     (first, last), contacts = held
-    return sum(measured.window(_one(contact.state), first, last).losses for contact in contacts)
+    windows = [measured.window(_one(contact.state), first, last) for contact in contacts]
+    # Where there is nothing to look at, nothing was held all along.
+    return sum(each.losses for each in windows) if all(each.rows for each in windows) else None
 
 
 def _held_fraction(measured: Inspection, window: TickRange | None) -> float | None:
@@ -140,11 +142,11 @@ def _over_forces(
         return None
     (first, last), contacts = held
     found: list[float] = [
-        MEASURES[name](measured.window(_one(contact.normal_force), first, last))
+        _of_numbers(name, measured.window(_one(contact.normal_force), first, last))
         for contact in contacts
         if contact.normal_force is not None
     ]
-    return choose(found) if found else None
+    return _chosen(choose, found)
 
 
 def _drift(measured: Inspection, window: TickRange | None) -> float | None:
@@ -171,8 +173,8 @@ def _over_copies(
             measured.platform.poses[other][parts],
             is_norm=True,
         )
-        found.append(MEASURES[name](measured.window(target, first, last)))
-    return max(found) if found else None
+        found.append(_of_numbers(name, measured.window(target, first, last)))
+    return _chosen(max, found)
 
 
 def _box_displacement(measured: Inspection, window: TickRange | None) -> float | None:
@@ -185,19 +187,32 @@ def _box_displacement(measured: Inspection, window: TickRange | None) -> float |
             found.append(
                 float(np.hypot(values[0] - start[0], values[1] - start[1]).max(initial=0.0))
             )
-    return max(found) if found else None
+    return _chosen(max, found)
 
 
 def _wall_penetration(measured: Inspection, window: TickRange | None) -> float | None:
     first, last = window or (0, measured.run.ticks)
     found = [measured.extremes(name, first, last)[1] for name in measured.platform.depths.values()]
-    return max(found) if found else None
+    return _chosen(max, found)
 
 
 def _saturated_ticks(measured: Inspection, window: TickRange | None) -> float | None:
     first, last = window or (0, measured.run.ticks)
     counters = [measured.extremes(name, first, last) for name in measured.platform.saturations]
     return sum(most - least for least, most in counters) if counters else None
+
+
+def _of_numbers(name: str, window: Window) -> float:
+    """A measure of a signal that has a number in every row, else NaN."""
+    missing = window.rows == 0 or window.missing > 0
+    return math.nan if missing else MEASURES[name](window)
+
+
+def _chosen(choose: Callable[[list[float]], float], found: list[float]) -> float | None:
+    """One of them; NaN where one is, which would hide behind the others otherwise."""
+    if not found:
+        return None
+    return math.nan if any(map(math.isnan, found)) else choose(found)
 
 
 def signals_of(platform: RecordedPlatform) -> set[str]:

@@ -202,6 +202,7 @@ def measure(
     run: Run, target: Target, first: int, last: int, frequency: float | None = None
 ) -> Window:
     """Take a target over ticks ``first`` <= tick < ``last``, piece by piece."""
+    last = min(last, run.ticks)
     middle = run.start_tick + (first + last) / 2
     window = Window(frequency, middle=middle / float(run.base_rate))
     for ticks, values in blocks(run, target, first, last):

@@ -27,11 +27,12 @@ def write(
     rows_at_a_time: Iterable[int] = (),
     ticks: int | None = None,
     base_rate: Fraction = RATE,
+    start_tick: int = 0,
 ) -> Recorder:
     """Record each group's cells, shape (rows, columns), in pieces of the given sizes."""
     path.parent.mkdir(parents=True, exist_ok=True)
     planned = max(len(block) * group.period for group, block in zip(groups, cells, strict=True))
-    recorder = Recorder(path, planned if ticks is None else ticks)
+    recorder = Recorder(path, planned if ticks is None else ticks, start_tick)
     recorder.begin(groups, base_rate)
     for index, (group, block) in enumerate(zip(groups, cells, strict=True)):
         done, pieces = 0, iter(rows_at_a_time)

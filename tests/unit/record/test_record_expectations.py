@@ -12,11 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
+from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column, RecordGroup
 from cosim.record import open_run
 from cosim.report.expectation import COMPARISONS, Verdict, evaluate, parse_expectations
 from cosim.report.measures import Inspection
-from cosim.report.window import MEASURES
+from cosim.report.platform import POSE
+from cosim.report.target import Target
+from cosim.report.window import MEASURES, measure
 from tests.support.record.scenario_files import scenario
 from tests.support.record.synthetic_run import write
 
@@ -30,7 +33,9 @@ def verdicts(folder: Path, *lines: str) -> list[Verdict]:
         return evaluate(Inspection(run), parse_expectations(loaded, recorded))
 
 
-def record(folder: Path, values: np.ndarray, *, slow: np.ndarray | None = None) -> None:
+def record(
+    folder: Path, values: np.ndarray, *, slow: np.ndarray | None = None, start_tick: int = 0
+) -> None:
     """Column ``a.x`` (m) at 1024 Hz and ``a.slow`` (m) at 128 Hz."""
     fast = RecordGroup(
         name="control", period=1, columns=(Column(name="a.x", unit="m", is_float=True),)
@@ -40,7 +45,7 @@ def record(folder: Path, values: np.ndarray, *, slow: np.ndarray | None = None) 
     )
     slow = np.zeros(-(-len(values) // 8)) if slow is None else slow
     cells = (values.astype(float).view(np.int64)[:, None], slow.view(np.int64)[:, None])
-    write(folder / "run.h5", (fast, held), cells)
+    write(folder / "run.h5", (fast, held), cells, start_tick=start_tick)
 
 
 PLAIN = {
@@ -158,6 +163,64 @@ def test_what_was_not_measured_is_not_as_expected(tmp_path: Path) -> None:
             assert "nothing in this window" in str(verdict)
 
 
+@pytest.mark.parametrize("window", ["", ", to: 100", ", from: 0, to: 2"])
+def test_what_grows_grows_whatever_window_is_written(window: str, tmp_path: Path) -> None:
+    """The halves are those of the rows that there are: one without any would have no width."""
+    time = np.arange(2048) / RATE
+    record(tmp_path, np.exp(time) * np.sin(300 * time))
+    (verdict,) = verdicts(tmp_path, f"  a.x: {{growth_within: [0.9, 1.1]{window}}}")
+    assert verdict.passed, str(verdict)
+
+
+def test_what_grows_grows_at_any_start(tmp_path: Path) -> None:
+    time = np.arange(2048) / RATE
+    record(tmp_path, np.exp(time) * np.sin(300 * time), start_tick=100 * RATE)
+    with open_run(tmp_path) as run:
+        window = measure(run, Target("a.x", ("a.x",)), 0, 2048)
+        assert window.growth == pytest.approx(1.0, abs=0.1)
+
+
+def carried(folder: Path, *, lost_at: int | None = None, touched_at: int = 0) -> Inspection:
+    """Two copies of a box, and a finger on one that touches from a tick on, for two seconds."""
+    names = ("x", "y", "theta")
+    columns = [
+        Column(name=f"vr_{c}.{name}", unit="", is_float=True, meaning=each)
+        for c in "ab"
+        for name, each in zip(names, POSE, strict=True)
+    ]
+    slot = Slot(None, 1)
+    columns += [
+        Column(
+            name="vr_a.state",
+            unit="",
+            is_float=False,
+            meaning=Meaning.CONTACT_STATE,
+            belongs_to=slot,
+        )
+    ]
+    cells = np.zeros((2048, 7), dtype=np.int64)
+    cells[touched_at:, 6] = 2
+    if lost_at is not None:
+        cells[lost_at:, 3] = np.array([np.nan]).view(np.int64)[0]
+    group = RecordGroup(name="control", period=1, columns=tuple(columns))
+    write(folder / "run.h5", (group,), (cells,))
+    return Inspection(open_run(folder))
+
+
+def test_a_copy_that_is_nowhere_has_drifted_from_the_other(tmp_path: Path) -> None:
+    measured = carried(tmp_path / "whole")
+    assert measured.value("drift") == measured.value("drift_rms") == 0.0
+    measured = carried(tmp_path / "lost", lost_at=500)
+    for name in ("drift", "drift_rms", "box_displacement"):
+        assert np.isnan(measured.value(name)), name
+    assert measured.value("drift", (0, 500)) == 0.0
+
+
+def test_a_box_that_is_grasped_as_the_run_ends_was_not_held_without_a_loss(tmp_path: Path) -> None:
+    assert carried(tmp_path / "early", touched_at=10).value("contact_losses") == 0
+    assert carried(tmp_path / "late", touched_at=2000).value("contact_losses") is None
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [
@@ -172,6 +235,10 @@ def test_what_was_not_measured_is_not_as_expected(tmp_path: Path) -> None:
         ("a.x: {max_below: 1, from: 1, to: 0.5}", "no time within"),
         ("a.x: {from: 1}", "expects nothing"),
         ("a.x: {amplitude_below: 1}", "frequency"),
+        ("a.x: {max_below: 1, frequency: 3}", "frequency has no effect"),
+        ("contact_losses: {equals: 0, frequency: 3}", "frequency has no effect"),
+        ("a.x: {amplitude_below: 1, frequency: 0}", "above 0 in rad/s, not 0"),
+        ("a.x: {amplitude_below: 1, frequency: -2}", "above 0 in rad/s, not -2"),
         ("drift: {max_below: 1}", "max_below is not a predicate"),
     ],
 )

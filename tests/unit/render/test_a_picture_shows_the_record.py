@@ -80,6 +80,21 @@ def test_every_finger_is_in_the_picture(run_folder: Path) -> None:
         assert np.abs(image[round(y), round(x)] - colour).max() <= 2
 
 
+def test_what_has_no_place_is_left_out_and_the_rest_is_drawn(run_folder: Path) -> None:
+    """Of a device some signals are NaN; where all are, a picture of nothing is one, too."""
+    with open_run(run_folder) as run:
+        scene = read_scene(run_folder)
+        assert scene is not None
+        poses = read_poses(run, scene, [2048])
+    whole = np.asarray(Painter(scene, poses, SIZE).frame(0))
+    nowhere = Poses(poses.times, {name: np.full(1, np.nan) for name in poses.values})
+    empty = np.asarray(Painter(scene, nowhere, SIZE).frame(0))
+    assert empty.shape == whole.shape
+    for name in poses.values:
+        some = Poses(poses.times, {**poses.values, name: np.full(1, np.nan)})
+        assert Painter(scene, some, SIZE).frame(0).size == SIZE, name
+
+
 def test_values_are_those_of_the_tick_before_each_frame(run_folder: Path) -> None:
     with open_run(run_folder) as run:
         scene = read_scene(run_folder)
