@@ -26,6 +26,8 @@ from cosim.record.export.texts import ChangeTable, text_tables
 from cosim.record.reader import Run
 from cosim.record.signals import RecordedSignal
 
+OWN_FIELDS = frozenset({"tick", "time", "units", "names"})
+"""Of each struct, besides its signals."""
 MATLAB_NAME_LENGTH = 63
 """Longest name of a struct's field in MATLAB."""
 
@@ -55,11 +57,12 @@ def export(
     signals, texts = chosen(run, patterns), chosen_texts(run, patterns)
     tables = [_held_table(run, signals)] if held and signals else _tables(run, signals)
     tables = [part for table in tables if (part := table.within(span)).rows]
-    if not tables and not texts:
+    changes = text_tables(run, texts, span)
+    if not tables and not changes:
         raise InputError(f"{run.folder}: no row lies in the time that is to be exported.")
     with writing(folder, "--out takes a folder for the files"):
         folder.mkdir(parents=True, exist_ok=True)
-        return EXPORTERS[kind](tables, text_tables(run, texts, span), folder)
+        return EXPORTERS[kind](tables, changes, folder)
 
 
 def chosen(run: Run, patterns: Collection[str]) -> list[RecordedSignal]:
@@ -139,10 +142,11 @@ def _write_csv(tables: list[Table], texts: list[ChangeTable], folder: Path) -> l
 
 def _write_mat(tables: list[Table], texts: list[ChangeTable], folder: Path) -> list[Path]:
     """A MAT-file of level 5: a struct for each group with tick, time, signals, names and units."""
+    structs = iter(matlab_names([each.name for each in (*tables, *texts)], {"base_rate"}))
     content: dict[str, Any] = {}
     for table in tables:
         ticks = table.ticks(0, table.rows)
-        fields = matlab_names([signal.name for signal in table.signals])
+        fields = matlab_names([signal.name for signal in table.signals], OWN_FIELDS)
         columns: dict[str, Any] = {
             "tick": ticks[:, None],
             "time": table.run.seconds(ticks)[:, None],
@@ -152,9 +156,9 @@ def _write_mat(tables: list[Table], texts: list[ChangeTable], folder: Path) -> l
         for signal, field in zip(table.signals, fields, strict=True):
             columns[field] = table.values(signal, 0, table.rows)[:, None]
             units[field], names[field] = signal.unit, signal.name
-        content[matlab_names([table.name])[0]] = columns | {"units": units, "names": names}
+        content[next(structs)] = columns | {"units": units, "names": names}
     for text in texts:
-        content[matlab_names([text.name])[0]] = {
+        content[next(structs)] = {
             "tick": text.ticks[:, None],
             "time": text.run.seconds(text.ticks)[:, None],
             "signal": np.array(text.signals, dtype=object),
@@ -202,10 +206,11 @@ def _write_parquet(tables: list[Table], texts: list[ChangeTable], folder: Path) 
     return paths
 
 
-def matlab_names(names: list[str]) -> list[str]:
+def matlab_names(names: Sequence[str], taken: Collection[str] = ()) -> list[str]:
     """Names of struct fields: ``vr_a.finger_1.force[2]`` becomes ``vr_a_finger_1_force_2``.
 
-    Too long or equal ones end in a number; the struct's ``names`` holds the originals.
+    Too long or equal ones, and those that are taken, end in a number; the struct's ``names`` holds
+    the originals.
     """
     found: list[str] = []
     for name in names:
@@ -213,7 +218,7 @@ def matlab_names(names: list[str]) -> list[str]:
         plain = plain if plain[:1].isalpha() else f"x_{plain}"
         short = plain[:MATLAB_NAME_LENGTH]
         number = 1
-        while short in found or short in {"tick", "time", "units", "names"}:
+        while short in found or short in taken:
             number += 1
             tail = f"_{number}"
             short = plain[: MATLAB_NAME_LENGTH - len(tail)] + tail

@@ -6,7 +6,7 @@ Binary data is written as base64, which every one of them can hold.
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,28 +43,32 @@ class ChangeTable:
 
 
 def text_tables(run: Run, names: Collection[str], span: Span) -> list[ChangeTable]:
-    """One for each group that has texts of these names, with the changes in a span of ticks."""
-    begin, end = span
-    return [
-        ChangeTable(
-            f"{name}_texts",
-            run,
-            tuple(
-                sorted(
-                    (
-                        (tick, text.name, shown(text, content))
-                        for text in group.texts.values()
-                        if text.name in names
-                        for tick, content in text.changes
-                        if tick >= begin and (end is None or tick < end)
-                    ),
-                    key=lambda row: row[:2],
-                )
-            ),
-        )
-        for name, group in run.groups.items()
-        if not set(names).isdisjoint(group.texts)
-    ]
+    """One for each group that has texts of these names, with the changes in a span of ticks.
+
+    Where a span begins between two changes, its first row says what was held there.
+    """
+    found: list[ChangeTable] = []
+    for name, group in run.groups.items():
+        texts = [text for text in group.texts.values() if text.name in names]
+        rows = [row for text in texts for row in _rows(text, span, run.ticks)]
+        if rows:
+            ordered = tuple(sorted(rows, key=lambda row: row[:2]))
+            found.append(ChangeTable(f"{name}_texts", run, ordered))
+    return found
+
+
+def _rows(text: RecordedText, span: Span, ticks: int) -> Iterator[tuple[int, str, str]]:
+    begin, end = max(span[0], 0), ticks if span[1] is None else min(ticks, span[1])
+    held: bytes | None = None
+    inside: list[tuple[int, bytes]] = []
+    for tick, content in text.changes:
+        if tick <= begin:
+            held = content
+        elif tick < end:
+            inside.append((tick, content))
+    if held is not None and begin < end:
+        inside.insert(0, (begin, held))
+    return ((tick, text.name, shown(text, content)) for tick, content in inside)
 
 
 def shown(text: RecordedText, content: bytes) -> str:

@@ -155,6 +155,37 @@ def test_every_format_takes_them(folder: Path, tmp_path: Path, kind: str) -> Non
     assert data == [b"\0" + str(n).encode() for n in range(8)]
 
 
+def exported(folder: Path, out: Path, span: tuple[int, int | None]) -> list[tuple[int, str]]:
+    with open_run(folder) as run:
+        (file,) = export(run, "csv", out, patterns=["one.word"], span=span)
+    with file.open(encoding="utf-8") as content:
+        return [(int(row["tick"]), row["value"]) for row in csv.DictReader(content)]
+
+
+def test_a_window_begins_with_what_was_held(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert exported(folder, out, (12, 30)) == [(12, "n°1"), (16, "n°2"), (24, "n°3")]
+    assert exported(folder, out, (16, 17)) == [(16, "n°2")]
+    assert exported(folder, out, (60, None)) == [(60, "n°7")]
+
+
+def test_a_window_behind_the_run_has_no_text(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no row lies in the time"):
+        exported(folder, tmp_path / "out", (64, None))
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_group_takes_the_place_of_the_base_rate(tmp_path: Path) -> None:
+    loadmat = pytest.importorskip("scipy.io").loadmat
+    folder = record(tmp_path, "run", rates={"base_rate": 64})
+    with open_run(folder) as run:
+        assert "base_rate" in run.groups
+        (file,) = export(run, "mat", tmp_path / "out")
+    content = loadmat(file, simplify_cells=True)
+    assert content["base_rate"].tolist() == [64, 1]
+    assert content["base_rate_2"]["tick"].tolist() == list(range(64))
+
+
 def test_a_playback_says_the_same(tmp_path: Path, folder: Path) -> None:
     parts = written()["components"]
     parts["one"] = {"playback": str(folder), "rate": 64}
