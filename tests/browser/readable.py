@@ -52,6 +52,14 @@ BROKEN = """() => {
       }
     }
   }
+  for (const cell of document.querySelectorAll("tbody td")) {
+    const range = document.createRange();
+    range.selectNodeContents(cell);
+    const lines = new Set([...range.getClientRects()].map((each) => Math.round(each.top)));
+    if (/^[-−]?[\\d.]+\\S*\\s\\S+$/.test(cell.textContent) && lines.size > 1) {
+      found.push(cell.textContent);
+    }
+  }
   return found;
 }"""
 
@@ -70,7 +78,7 @@ def too_faint(page: Any) -> list[list[Any]]:
 
 
 def broken_words(page: Any) -> list[str]:
-    """Words of the tables' names, or their parts, that go on in another line."""
+    """Words of the tables' names, or their parts, and values that go on in another line."""
     assert page.locator("tbody th").count() > 0
     return page.evaluate(BROKEN)
 

@@ -41,6 +41,7 @@ MODULES = (
     HERE / "report.js",
 )
 STYLES = (LIVE / "vendor" / "uPlot.css", LIVE / "style.css", HERE / "report.css")
+VALUE = re.compile(r"[-−]?[\d.]+(e[-+]?\d+)? \S+")
 BREAKS = re.compile(r"(?<=[._/\]])(?=[A-Za-z])")
 
 
@@ -66,7 +67,7 @@ def write_page(
     jinja: Any = import_module("jinja2")
     markup: Any = import_module("markupsafe").Markup
     environment = jinja.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["breakable"] = _breakable
+    environment.filters |= {"breakable": _breakable, "together": _together}
     template = environment.from_string((HERE / "report.html.j2").read_text(encoding="utf-8"))
     data = json.dumps(contents(run, summaries, scene), allow_nan=False, separators=(",", ":"))
     notes = [*run.manifest.get("notes", ()), *_warnings(content)]
@@ -100,6 +101,13 @@ def _breakable(text: object) -> Any:
     """A name that a narrow page may break behind its dots and strokes, and nowhere else."""
     safe: Any = import_module("markupsafe")
     return safe.Markup(BREAKS.sub("<wbr>", str(safe.escape(text))))
+
+
+def _together(text: object) -> Any:
+    """A number stays beside its unit; all else may be broken where it has room to be."""
+    safe: Any = import_module("markupsafe")
+    cell = str(text)
+    return safe.escape(cell.replace(" ", "\u00a0") if VALUE.fullmatch(cell) else cell)
 
 
 def _warnings(content: Mapping[str, Any]) -> list[str]:

@@ -56,6 +56,17 @@ def test_what_a_scenario_draws_itself_is_left_alone():
     assert not keys & {"jitter", "loss"}
 
 
+@pytest.mark.parametrize(
+    "delay", ["{forward: 2, backward: 0}", "{forward: 12 ticks, backward: 4 ticks}"]
+)
+def test_a_delay_that_is_shared_otherwise_than_a_round_trip_has_no_knob(delay):
+    """Its knob would give each way another delay before anybody has turned it."""
+    sets = ("channels.lan.round_trip_delay=~", f"channels.lan.delay={delay}")
+    keys = [knob.key for knob in knobs_of(load("two_users_box", (), sets))]
+    assert "lan.round_trip_delay" not in keys
+    assert "lan.jitter" in keys
+
+
 def test_a_knob_survives_its_way_to_the_server(knobs):
     assert [knob_of(json.loads(json.dumps(asdict(knob)))) for knob in knobs] == knobs
 
