@@ -53,3 +53,40 @@ def test_the_end_that_a_model_asks_for_is_good_and_expectations_are_judged(
     assert content["status"] == status
     assert content["ticks"] == 4
     assert content["message"].startswith("f asked to end the simulation at tick 3 (3 s)")
+
+
+COUNTS = """
+    static int hook(Foreign *m, const char *call)
+    {
+        if (is(call, "DoStep")) {
+            m->real[2] += 1;
+            m->terminate = m->time >= 3;
+        }
+        return 0;
+    }
+    #define HOOK hook
+"""
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_last_outputs_before_the_end_that_a_model_asks_for_are_kept(
+    tmp_path: Path, version: int
+) -> None:
+    structure = {
+        2: '<Outputs><Unknown index="1" dependencies=""/></Outputs>',
+        3: '<Output valueReference="2" dependencies=""/>',
+    }
+    fmu = foreign_fmu(
+        tmp_path,
+        version,
+        scalar(version, "y", 2, causality="output"),
+        snippet=COUNTS,
+        structure=structure[version],
+    )
+    written = scenario_of(
+        tmp_path,
+        f"duration: 8\nbase_rate: 1\ncomponents: {{f: {{fmu: {fmu}, rate: 1}}}}\nrecord: [f.y]\n",
+    )
+    finished = run_scenario(written, tmp_path / "out", figure=False)
+    with finished.open() as record:
+        assert record["f.y"].values.tolist() == [0, 1, 2, 3]
