@@ -117,7 +117,7 @@ def _plan(simulation: Simulation) -> dict[str, Any]:
             {"name": bundle.name, "period": bundle.period, "values": len(bundle.entries)}
             for bundle in assembly.wiring.bundles
         ],
-        "lagging": list(simulation.lagging),
+        "lagging": list(simulation.assembly.lagging),
         "notes": list(simulation.notes),
         "recorded": [
             {"group": group.name, "period": group.period, "signals": len(group.columns)}

@@ -219,6 +219,10 @@ class Fmu:
             log=self._residence.log.address,
         )
 
+    def entered_initialisation(self) -> None:
+        """Take note that it is set up once more: until it leaves, there is nothing to terminate."""
+        self._initialised = False
+
     def left_initialisation(self, status: int) -> None:
         """Take note of what leaving initialisation mode returned.
 

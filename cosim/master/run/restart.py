@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cosim.master.components.participant import Participant
-from cosim.master.fmu.binding import Assignment
+from cosim.master.fmu.binding import OK, Assignment
 from cosim.master.fmu.instance import Fmu
 from cosim.master.fmu.refusal import placed_refusal
 from cosim.master.kernel.fmu_structures import RestartStruct, SettingStruct
@@ -50,6 +50,8 @@ class Restart:
             if not self._take(place, participant):
                 return False
         count = len(self._fmus)
+        for fmu in self._fmus:
+            fmu.entered_initialisation()
         refused: int = library().kernel_restart(ctypes.addressof(self._table), count)
         if refused < count:
             self._fmus[refused].judge(self._table[refused].status)
@@ -64,6 +66,8 @@ class Restart:
         """
         count = len(self._fmus)
         place: int = library().kernel_leave_initialisation(ctypes.addressof(self._table), count)
+        for fmu in self._fmus[:place]:
+            fmu.left_initialisation(OK)
         if place < count:
             with placed_refusal(scenario, self._names[place]):
                 self._fmus[place].left_initialisation(self._table[place].status)

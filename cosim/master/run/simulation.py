@@ -14,8 +14,8 @@ from cosim.master.assembly.assemble import Assembly, Only, put_together
 from cosim.master.components.participant import Factory
 from cosim.master.fmu.instance import Fmu
 from cosim.master.kernel.program import Program
-from cosim.master.run import branch_point, checkpoint
-from cosim.master.run.branch_point import BranchPoint
+from cosim.master.run import by_hand, checkpoint
+from cosim.master.run.execution.branching import Branching
 from cosim.master.run.execution.fmus import Told
 from cosim.master.run.execution.life_cycle import LifeCycle
 from cosim.master.run.execution.loop import ChunkedLoop, Drive, Pause, Progress
@@ -73,7 +73,7 @@ class Simulation:
         self._cycle = LifeCycle(assembly, self.program, self._whereabouts)
         self._loop = ChunkedLoop()
         self._restored: Snapshot | None = None
-        self._origin: BranchPoint | None = None
+        self._branching = Branching(self._cycle)
         self._end = 0
 
     @property
@@ -97,23 +97,9 @@ class Simulation:
         return self.assembly.groups
 
     @property
-    def lagging(self) -> tuple[str, ...]:
-        """Connections into FMUs without ``feedthrough: true``, which answer a step late."""
-        return self.assembly.lagging
-
-    @property
     def notes(self) -> tuple[str, ...]:
         """What is worth telling: unit conversions."""
         return self.assembly.notes
-
-    @property
-    def fmu_digests(self) -> dict[str, str]:
-        """SHA-256 (hex) of every FMU, by component."""
-        return {
-            name: each.fmu.sha256
-            for name, each in self.assembly.participants.items()
-            if each.fmu is not None
-        }
 
     def run(
         self,
@@ -144,7 +130,7 @@ class Simulation:
         interrupted, ended_by = False, ""
         try:
             with without_collecting():
-                if self._origin is None:
+                if not self._branching.has_begun:
                     last = self.scenario.ticks if mark_at_end else end
                     self._start(last, recorded=sink is not None)
             self.program.texts.record_into(sink)
@@ -159,24 +145,16 @@ class Simulation:
                     self._loop.run(run, end, sink, wish, pauses=stops, progress=progress)
             interrupted = wish.is_made and self.program.kernel.tick < end
             if mark_at_end and not interrupted:
-                with self._cycle.guarding():
-                    self._origin = branch_point.mark(*self._cycle.state)
+                self._branching.mark()
         except KeyboardInterrupt:
             interrupted = True
         except EndAsked as end_asked:
             ended_by = str(end_asked)
         finally:
-            self.outcome = Outcome(
-                # The tick in which a model comes to its end has been recorded.
-                ticks=self.program.kernel.tick + bool(ended_by),
-                wall_time=self._loop.wall_time,
-                interrupted=interrupted,
-                channels=self.program.packets.counts(),
-                warnings=self.program.warnings(),
-                ended_by=ended_by,
-                said=self._cycle.fmus.said(),
+            self.outcome = self._cycle.reached(
+                self._loop.wall_time, interrupted=interrupted, ended_by=ended_by
             )
-            if self._origin is None:
+            if not self._branching.has_begun:
                 self._cycle.close_components()
                 if not keep_fmus:
                     self.close()
@@ -191,12 +169,7 @@ class Simulation:
             InputError: there is no such place, or components have other values.
             RunError: a component does not take its state back.
         """
-        if self._origin is None:
-            raise InputError("No run of this simulation has ended where others could begin.")
-        branch_point.check_branch(self._origin, assembly)
-        self._cycle.take(assembly)
-        with self._cycle.guarding():
-            branch_point.go_back(self._origin, *self._cycle.state)
+        self._branching.go_back(assembly)
 
     def renew(self, assembly: Assembly) -> None:
         """Make ready for another run, after one with ``keep_fmus``; nothing of that one is left.
@@ -247,14 +220,7 @@ class Simulation:
         Raises:
             InputError: there is no such knob, a connection drives it, or it does not go so far.
         """
-        knobs = self.assembly.knobs
-        found = [
-            entry for key, value in values.items() for entry in knobs.judge(key, value).items()
-        ]
-        for name, _ in found:
-            if driver := knobs.all[name].connection:
-                raise InputError(f"{'.'.join(name)} is driven by {driver}")
-        self.program.turning.asked.extend((name, tuple(elements)) for name, elements in found)
+        by_hand.turn(self.assembly, self.program, values)
 
     def replay(self) -> Scenario:
         """The scenario with everything that ``set`` turned as events: it gives the same run."""
@@ -331,12 +297,8 @@ class Simulation:
             raise RunError(self.closing_error)
 
     def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
-        told, is_rehearsal = rehearsal or _tell_nobody, rehearsal is not None
-        self._cycle.start(end, told, recorded=recorded, rehearsal=is_rehearsal)
+        told: Told = rehearsal or (lambda _who, _what: None)
+        self._cycle.start(end, told, recorded=recorded, rehearsal=rehearsal is not None)
         self._end = end
         if self._restored is not None:
             go_on(self._cycle.kernel_run, self._restored, end=end, recorded=recorded)
-
-
-def _tell_nobody(component: str, what: str) -> None:
-    del component, what

@@ -190,7 +190,7 @@ def test_no_loop_where_nothing_says_feedthrough(tmp_path: Path) -> None:
         "connections": ["a.seen -> b.heard", "b.seen -> a.heard"],
     }
     simulation = assemble(scenario_of(tmp_path, written))
-    assert simulation.lagging == ("a.seen -> b.heard", "b.seen -> a.heard")
+    assert simulation.assembly.lagging == ("a.seen -> b.heard", "b.seen -> a.heard")
 
 
 def test_stations_are_joined_by_channels_only(tmp_path: Path) -> None:

@@ -113,7 +113,7 @@ def test_without_feedthrough_an_answer_lags_one_step(tmp_path: Path) -> None:
     tick = np.arange(TICKS)
     np.testing.assert_array_equal(sink.signal("slow.seen")[1:], tick[1:] - 1)
     np.testing.assert_array_equal(sink.signal("fast.seen"), sink.signal("slow.seen"))
-    assert simulation.lagging == ("fast.tick -> slow.heard",)
+    assert simulation.assembly.lagging == ("fast.tick -> slow.heard",)
 
 
 def test_a_connection_with_its_own_rate_and_delay_samples_and_holds(tmp_path: Path) -> None:

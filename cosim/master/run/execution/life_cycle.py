@@ -14,6 +14,7 @@ from cosim.master.run.execution.components import RunningComponents
 from cosim.master.run.execution.fmus import RunningFmus, Told
 from cosim.master.run.execution.kernel_run import KernelRun
 from cosim.master.run.execution.start_values import StartValues
+from cosim.master.run.outcome import Outcome
 from cosim.master.run.whereabouts import Whereabouts
 
 ALL_TOGETHER = ("all components together", "exchanging their first values")
@@ -76,6 +77,20 @@ class LifeCycle:
         self.take(assembly)
         self._program.rewind(assembly.wiring)
         self._program.turning.rewind(assembly.knobs.all)
+
+    def reached(self, wall_time: float, *, interrupted: bool, ended_by: str) -> Outcome:
+        """How far the run came; ``ended_by`` is the sentence of who asked for its end."""
+        program = self._program
+        return Outcome(
+            # The tick in which a model comes to its end has been recorded.
+            ticks=program.kernel.tick + bool(ended_by),
+            wall_time=wall_time,
+            interrupted=interrupted,
+            channels=program.packets.counts(),
+            warnings=program.warnings(),
+            ended_by=ended_by,
+            said=self.fmus.said(),
+        )
 
     def close_components(self) -> None:
         """Close what is not an FMU; may be called more than once."""
