@@ -10,6 +10,7 @@ two processes share the work: the machine has to be idle, with a processor for e
 from __future__ import annotations
 
 import argparse
+import ctypes
 import tempfile
 import time
 from pathlib import Path
@@ -47,12 +48,16 @@ def calls(simulation: Simulation, apart: tuple[str, ...]) -> float:
     """How often the FMUs apart are called in a tick."""
     program = simulation.program
     numbers = {program.numbers[name] for name in apart}
+    # Program 0 is initialisation, program 1 is tick 0; what follows belongs to every tick.
+    starts = ctypes.cast(program.kernel.program_start, ctypes.POINTER(ctypes.c_int64))
+    listed = ctypes.cast(program.kernel.program, ctypes.POINTER(ctypes.c_int32))
+    early = set(listed[: starts[2]])
+    operations = zip(program.operations.all, program.operations.actions, strict=True)
     return sum(
         1 / action.period
-        for operation, action in zip(
-            program.operations.all, program.operations.actions, strict=True
-        )
-        if operation.owner in numbers and OperationKind(operation.kind) in CALLS
+        for number, (operation, action) in enumerate(operations)
+        if number not in early and operation.owner in numbers
+        if OperationKind(operation.kind) in CALLS
     )
 
 
