@@ -18,6 +18,7 @@ from notebooks import files as notebooks, page_of  # noqa: I001
 
 ROOT = Path(__file__).parents[3]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
+MODEL_PAGE = re.compile(r"reference/models/(\w+)\.md")
 MODEL = re.compile(r"fmus/(\w+)/README\.md")
 
 
@@ -41,18 +42,19 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Links out of docs/ as text; those to a model's page to the site's own."""
     del config, files
     here = page.file.src_uri.rpartition("/")[0]
+    model_page = MODEL_PAGE.fullmatch(page.file.src_uri)
+    written = f"fmus/{model_page[1]}" if model_page else f"docs/{here}"
 
     def led(link: re.Match[str]) -> str:
         image, text, target, anchor = link[1], link[2], link[3], link[4] or ""
         if "://" in target:
             return link[0]
-        place = normpath(f"docs/{here}/{target}")
-        if place.startswith("docs/"):
-            return link[0]
+        place = normpath(f"{written}/{target}")
         model = MODEL.fullmatch(place)
-        if model is None:
+        if not place.startswith("docs/") and model is None:
             return text
-        inside = relpath(f"reference/models/{model[1]}.md", here or ".")
+        led_to = f"reference/models/{model[1]}.md" if model else place.removeprefix("docs/")
+        inside = relpath(led_to, here or ".")
         return f"{image}[{text}]({inside}{anchor})"
 
     return LINK.sub(led, markdown)
