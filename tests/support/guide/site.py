@@ -18,7 +18,9 @@ from notebooks import files as notebooks, page_of  # noqa: I001
 
 ROOT = Path(__file__).parents[3]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
+SECTION = re.compile(r"^(?:Args|Returns|Raises|Attributes|Yields):$", re.MULTILINE)
 MODEL_PAGE = re.compile(r"reference/models/(\w+)\.md")
+DATE = re.compile(r"(?<=\| )(\d{4})-(\d\d)-(\d\d)(?= \|)")
 MODEL = re.compile(r"fmus/(\w+)/README\.md")
 
 
@@ -39,8 +41,9 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
-    """Links out of docs/ as text; those to a model's page to the site's own."""
+    """Links out of docs/ as text; those to a model's page to the site's own; dates in one piece."""
     del config, files
+    markdown = DATE.sub("\\1\u2011\\2\u2011\\3", markdown)
     here = page.file.src_uri.rpartition("/")[0]
     model_page = MODEL_PAGE.fullmatch(page.file.src_uri)
     written = f"fmus/{model_page[1]}" if model_page else f"docs/{here}"
@@ -98,11 +101,21 @@ def python_api() -> str:
                 for member, value in vars(found).items()
                 if not member.startswith("_") and (callable(value) or isinstance(value, property))
             ]
-            parts.append(f"```text\n{inspect.getdoc(found) or ''}\n```\n")
+            parts.append(_said_of(found))
             parts.append("\n".join(members) + "\n")
             continue
-        parts.append(f"```text\n{inspect.getdoc(found) or ''}\n```\n")
+        parts.append(_said_of(found))
     return "\n".join(parts)
+
+
+def _said_of(found: Any) -> str:
+    """A docstring: its sentences, and as they stand there arguments, what is returned, errors."""
+    text = inspect.getdoc(found) or ""
+    begins = SECTION.search(text)
+    if begins is None:
+        return f"{text.strip()}\n"
+    prose, sections = text[: begins.start()].strip(), text[begins.start() :].rstrip()
+    return f"{prose}\n\n```text\n{sections}\n```\n"
 
 
 def model_pages() -> dict[str, str]:
