@@ -102,6 +102,10 @@ def answer(page, trial, *, noticed):
 
 def workload(page):
     heading(page, "About the trials until now")
+    page.set_viewport_size({"width": 400, "height": 800})
+    ends = [end.bounding_box() for end in page.locator("#sheet .end").all()]
+    assert all(low["y"] == high["y"] for low, high in zip(ends[::2], ends[1::2], strict=True))
+    page.set_viewport_size({"width": 900, "height": 800})
     for number, slider in enumerate(page.locator("input[type=range]").all()):
         slider.fill(str(10 * number))
     press(page, "Go on")

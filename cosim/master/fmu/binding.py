@@ -70,7 +70,13 @@ class Library:
         try:
             library = ctypes.CDLL(str(path))
         except OSError as error:
-            raise InputError(f"the library {path.name} cannot be loaded: {error}") from None
+            hint = ""
+            if "failed to map segment" in str(error):
+                hint = (
+                    f"; {path.parent} seems to be where nothing may be executed (noexec): "
+                    "COHAPTIC_CACHE_DIR names another folder for unpacked FMUs"
+                )
+            raise InputError(f"the library {path.name} cannot be loaded: {error}{hint}") from None
         self.path = path
         self.handle: int = library._handle
         """The system's, for unloading it."""

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.command import cohaptic
+
 
 def run(tmp_path: Path, **changes: str | None) -> subprocess.CompletedProcess[str]:
     environment = os.environ | {"TMPDIR": str(tmp_path)} | changes
@@ -65,3 +67,18 @@ def test_a_command_says_it_in_one_sentence(tmp_path: Path) -> None:
         "COHAPTIC_CACHE_DIR is ''; it has to be the absolute path of a folder for caches, or not "
         "be set.\n"
     )
+
+
+def test_a_folder_where_nothing_may_be_executed_is_told(tmp_path: Path) -> None:
+    """As ``docker run --tmpfs /tmp`` makes one."""
+    folder = tmp_path / "noexec"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "noexec", "tmpfs", str(folder)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("mounting needs root")
+    try:
+        done = cohaptic("run", "single_user", folder=tmp_path, COHAPTIC_CACHE_DIR=str(folder))
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+    assert done.returncode == 2
+    assert "where nothing may be executed (noexec): COHAPTIC_CACHE_DIR names" in done.stderr
