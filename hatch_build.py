@@ -35,6 +35,8 @@ class NativeBuildHook(BuildHookInterface[Any]):
             sys.path.remove(str(root))
         if version == "standard":  # an editable installation finds them in the checkout
             build_data["force_include"][str(root / "scenarios")] = "cohaptic/_scenarios"
+            # FMUs that are built with the wheel have it in them, too.
+            build_data["force_include"][str(root / "LICENSE")] = "fmus/LICENSE"
         build_data["artifacts"] += [
             "/fmus/_built/*.fmu",
             "/fmus/_built/*.json",

@@ -86,8 +86,9 @@ def universal_binary(x86_64: bytes, aarch64: bytes) -> bytes:
 
 def licence_files(folder: Path) -> dict[str, bytes]:
     """The licences of what is inside every FMU; ``folder`` is ``fmus/``."""
+    own = folder / "LICENSE"  # in a wheel
     return {
-        "cohaptic-LICENSE.txt": (folder.parent / "LICENSE").read_bytes(),
+        "cohaptic-LICENSE.txt": (own if own.is_file() else folder.parent / "LICENSE").read_bytes(),
         "fmi-headers-LICENSE.txt": (folder / "fmi" / "headers" / "LICENSE").read_bytes(),
         "musl-COPYRIGHT.txt": (folder / "libm" / "COPYRIGHT").read_bytes(),
     }
