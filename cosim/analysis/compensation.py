@@ -6,11 +6,17 @@ Each copy of the box gets the same b_c, computed at the scenario's own rates and
   couplers, everyone holding the box; in rotation the simplified model. It cancels what users feel
   while they all hold on, and is too much for a box that nobody holds.
 - ``cautious``: the simplified model on all axes. It cancels less, and never drives a free box.
+
+A delay between two whole samples is taken as it is by ``auto``, and rounded down by ``cautious``.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -22,6 +28,8 @@ if TYPE_CHECKING:
     from cosim.scenario import Scenario
     from cosim.scenario.form.sections import Forms
     from cosim.scenario.load import Written
+    from cosim.theory.models.timing import PathDelay, Timing
+    from cosim.theory.transparency.damping import DampingModel
 
 CHOICES = ("auto", "cautious")
 
@@ -86,9 +94,37 @@ def tuned(written: Written) -> Written:
 
 def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:
     """b_c along x and y (N·s/m) and in rotation (N·m·s/rad)."""
+    if choice == "cautious":
+        return _nulling(grasp, grasp.timing, "simplified")
+    found = {"x": 0.0, "y": 0.0, "theta": 0.0}
+    for share, delay in _between(grasp):
+        for axis, value in _nulling(grasp, replace(grasp.timing, delay=delay), "original").items():
+            found[axis] += share * value
+    return found
+
+
+def _between(grasp: Grasp) -> list[tuple[float, PathDelay]]:
+    """The whole delays around the true ones, each with its weight.
+
+    What holding adds is proportional to the mean age of what is held, which grows with the delay
+    evenly from one whole sample to the next.
+    """
+    from cosim.theory.models.timing import PathDelay
+
+    around: list[tuple[tuple[int, Fraction], ...]] = []
+    for way in grasp.ways:
+        below = math.floor(way)
+        around.append(((below, 1 - (way - below)), (below + 1, way - below)))
+    return [
+        (float(one * other), PathDelay(forward=forward, backward=backward))
+        for (forward, one), (backward, other) in itertools.product(*around)
+        if one * other
+    ]
+
+
+def _nulling(grasp: Grasp, timing: Timing, kind: DampingModel) -> dict[str, float]:
     from cosim.theory.transparency.compensation import null_compensation
 
-    kind = "original" if choice == "auto" else "simplified"
-    linear = null_compensation(grasp.model("normal"), grasp.timing, 0, kind).value
-    rotation = null_compensation(grasp.model("rotation"), grasp.timing, 0, "simplified").value
+    linear = null_compensation(grasp.model("normal"), timing, 0, kind).value
+    rotation = null_compensation(grasp.model("rotation"), timing, 0, "simplified").value
     return {"x": linear, "y": linear, "theta": rotation}

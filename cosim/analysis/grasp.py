@@ -32,11 +32,13 @@ class Grasp:
     """Who holds the box, and when they hear of each other.
 
     ``timing.delay`` takes whole network samples: a delay between two is rounded up, which is the
-    safe side for stability, or down, which is that of a compensation.
+    safe side for stability, or down, which is that of a cautious compensation. ``ways`` are the
+    delays forward and backward as they are, in samples.
     """
 
     workstations: tuple[ScenarioComponent, ...]
     timing: Timing
+    ways: tuple[Fraction, Fraction]
 
     def model(self, axis: Axis) -> Distributed:
         """One axis of the box with one finger a user pressing on it (figure 4.4).
@@ -99,7 +101,7 @@ def find_grasp(scenario: Scenario, *, earliest: bool = False) -> Grasp:
             "the distributed workstations run at different rates; the theory takes one.",
             scenario.locate(("components", workstations[1].name, "rate")),
         )
-    return Grasp(workstations, _timing(scenario, workstations, control.pop(), earliest=earliest))
+    return Grasp(workstations, *_timing(scenario, workstations, control.pop(), earliest=earliest))
 
 
 def _timing(
@@ -108,7 +110,7 @@ def _timing(
     control: int,
     *,
     earliest: bool,
-) -> Timing:
+) -> tuple[Timing, tuple[Fraction, Fraction]]:
     names = {part.station: part.name for part in workstations}
     delays: dict[tuple[str, str], Fraction] = {}
     periods: set[int] = set()
@@ -138,11 +140,11 @@ def _timing(
     order = list(names)
     ahead = [delay for (a, b), delay in delays.items() if order.index(a) < order.index(b)]
     back = [delay for (a, b), delay in delays.items() if order.index(a) > order.index(b)]
-    forward, backward = (
-        math.floor(min(way)) if earliest else math.ceil(max(way)) for way in (ahead, back)
-    )
-    return Timing(
+    forward, backward = (min(way) if earliest else max(way) for way in (ahead, back))
+    rounded = math.floor if earliest else math.ceil
+    timing = Timing(
         control_period=Fraction(control) / scenario.base_rate,
         ratio=Fraction(periods.pop(), control),
-        delay=PathDelay(forward=forward, backward=backward),
+        delay=PathDelay(forward=rounded(forward), backward=rounded(backward)),
     )
+    return timing, (forward, backward)

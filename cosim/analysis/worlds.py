@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cosim.analysis.loop import read_loop
-from cosim.analysis.single_axis import WITHOUT_CHANCE
+from cosim.analysis.single_axis_parts import WITHOUT_CHANCE
 from cosim.base.errors import CohapticError
 from cosim.scenario import Scenario
 from cosim.theory.models.parameters import Parameters

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.analysis.answers.asked import AskedRun
-from cosim.analysis.answers.push import Push, push_response
+from cosim.analysis.answers.push import Push, held_push, push_response
 from cosim.analysis.monodromy.blocks import connected_blocks, dropped
 from cosim.analysis.monodromy.point import Point
 from cosim.base.errors import InputError
@@ -81,7 +81,7 @@ def run_damping(point: Point, push: Push) -> float:
         )
     kept = ~dropped([point.matrix])
     blocks = connected_blocks([point.matrix], kept)
-    force = push_response(run, push, push.velocity).force.sum(axis=1)
+    force = held_push(run, [push])
     place = next(
         number
         for number, one in enumerate(run.coordinates)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,6 +119,20 @@ class PushResponse:
     force: Real
     read: Real
     direct: Real
+
+
+def held_push(run: RunMap, pushes: Sequence[Push]) -> Real:
+    """The effect on the state of 1 N over a hyperperiod, shape (n,), shared by several hands."""
+    size = 1.0 if run.is_linear else FORCE
+    run.undisturbed()
+    ends: list[Real] = []
+    for sign in (1.0, -1.0):
+        run.put(run.start)
+        for push in pushes:
+            _set(run, push, _amplitude(run, push), sign * size / len(pushes))
+        run.simulation.advance(run.tick + run.hyperperiod)
+        ends.append(run.numbers())
+    return np.asarray((ends[0] - ends[1]) / (2.0 * size))
 
 
 def push_response(run: RunMap, push: Push, output: str) -> PushResponse:

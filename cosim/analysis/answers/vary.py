@@ -15,14 +15,16 @@ from cosim.analysis.parameter import is_number, parameter
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
 from cosim.theory.stability.margins import FURTHEST_DELAY, FURTHEST_GAIN, Margins
-from cosim.theory.stability.spectral_radius import stable_intervals
+from cosim.theory.stability.spectral_radius import stable_interval_around, stable_intervals
 
 LINEAR_POINTS, POINTS = 60, 24
 """Samples of a range: a run with an operating point of its own takes longer."""
 LARGEST_STEP = 0.15
 """The largest relative change of a parameter from one operating point to the next."""
 
-STIFFNESS = ("stiffness",)
+FINEST, DIFFERENCED = 1e-13, 1e-8
+"""How finely the end of a margin is found: differences of small steps know no more."""
+
 COUPLERS = ("virtual_coupler", "distributed_workstation", "central_server")
 
 
@@ -187,10 +189,11 @@ def _around_one(radius: Callable[[float], float], *, linear: bool) -> tuple[floa
     def on_logarithm(x: float) -> float:
         return radius(float(np.exp(x)))
 
-    for low, high in stable_intervals(on_logarithm, -reach, reach, points=points):
-        if low <= 0.0 <= high:
-            return float(np.exp(low)), float(np.exp(high))
-    return 1.0, 1.0
+    found = stable_interval_around(
+        on_logarithm, 0.0, -reach, reach, points, accuracy=FINEST if linear else DIFFERENCED
+    )
+    low, high = (0.0, 0.0) if found is None else found
+    return float(np.exp(low)), float(np.exp(high))
 
 
 def _delay_margin(asked: AskedRun) -> int | None:

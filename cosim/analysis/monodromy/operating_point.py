@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +19,10 @@ CONVERGED = 1e-10
 """Of what a coordinate moves in one hyperperiod, in SI units: 0.1 nm, 0.1 nN."""
 RESTING = 1e-7
 """The same in the next hyperperiod, in which an unstable loop may have grown."""
+FINEST = 1e-13
+"""The same below which nothing is left but rounding."""
+SETTLING = 1.3
+"""By what a step must bring a run nearer for its derivative to serve again."""
 ITERATIONS = 12
 FOLLOW_TIME = {"operator"}
 """Models with states of their own of which some outputs follow time alone."""
@@ -23,34 +30,80 @@ DRIFTING = "N.s"
 """Waves travel as integrals, which grow by as much in every hyperperiod under a constant force."""
 
 
-def settle(run: RunMap) -> Real:
-    """The derivative of Φ at its fixed point, where the run then stands.
+class Newton:
+    """Steps to where Φ(x) = x, by one derivative, of ``size`` numbers."""
 
-    Coordinates that nothing changes stay as the run left them: which of the equilibria that dry
-    contacts allow it is, is the run's choice.
+    def __init__(self, run: RunMap, matrix: Real) -> None:
+        self.size = run.size
+        self._kept = ~dropped([matrix])
+        units = np.array([one.unit != DRIFTING for one in run.coordinates])
+        self._resting = units & self._kept
+        self._size = run.steps[self._kept]
+        inner = matrix[np.ix_(self._kept, self._kept)] - np.eye(self._size.size)
+        self._scaled = inner * self._size[None, :] / self._size[:, None]
+
+    def furthest(self, apart: Real) -> float:
+        """How far a coordinate that may rest moves in a hyperperiod."""
+        return float(np.abs(apart[self._resting]).max(initial=0.0))
+
+    def step(self, apart: Real) -> Real:
+        """From the state that moves by ``apart`` towards one that rests, shape (n,)."""
+        found = np.zeros(apart.size)
+        found[self._kept] = self._size * (self._inverse @ (-apart[self._kept] / self._size))
+        return found
+
+    @cached_property
+    def _inverse(self) -> Real:
+        return np.asarray(np.linalg.pinv(self._scaled, rcond=1e-11), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """What is known of the derivative of Φ where a run rests.
+
+    Attributes:
+        matrix: dΦ/dx there, shape (n, n); None where it was not needed.
+        newton: steps by that of a state nearby, which may find others; None of what is linear.
+    """
+
+    matrix: Real | None
+    newton: Newton | None
+
+
+def settle(run: RunMap, nearby: Newton | None = None) -> Settled:
+    """Bring a run to the fixed point of Φ near where it stands.
+
+    The derivative of a run nearby is tried first: its steps cost one hyperperiod each. Where they
+    do not converge quickly, every step takes the derivative of where it begins. Coordinates that
+    nothing changes stay as the run left them: which of the equilibria that dry contacts allow it
+    is, is the run's choice.
+
+    Args:
+        run: stands where the search begins.
+        nearby: steps by the derivative of a run nearby.
 
     Raises:
         InputError: no state nearby rests, or the modes change on the way to it.
     """
     if run.is_linear:
-        return jacobian(run)
+        return Settled(None, None)
+    if nearby is not None and nearby.size == run.size:
+        begun = run.start.copy()
+        if _settles_by(run, nearby):
+            _refuse_changing_modes(run)
+            return Settled(None, nearby)
+        run.move(begun)
     moved = np.inf
     for _ in range(ITERATIONS):
         matrix = jacobian(run)
+        newton = Newton(run, matrix)
         apart = run.undisturbed() - run.start
-        kept = ~dropped([matrix])
-        resting = np.array([one.unit != DRIFTING for one in run.coordinates]) & kept
-        moved = float(np.abs(apart[resting]).max(initial=0.0))
+        moved = newton.furthest(apart)
         if moved < CONVERGED:
             _refuse_changing_modes(run)
-            _refuse_drifting(run, resting)
-            return matrix
-        step = np.zeros(run.size)
-        inner = matrix[np.ix_(kept, kept)] - np.eye(int(np.count_nonzero(kept)))
-        size = run.steps[kept]
-        scaled = inner * size[None, :] / size[:, None]
-        step[kept] = size * np.linalg.lstsq(scaled, -apart[kept] / size, rcond=1e-11)[0]
-        run.move(run.start + step)
+            _refuse_drifting(run, newton)
+            return Settled(matrix, newton)
+        run.move(run.start + newton.step(apart))
     raise InputError(
         f"No operating point was found near tick {run.tick}: the state still moves by {moved:.2g} "
         "in a hyperperiod. Choose a moment at which the grasp is steady with --at; where the loop "
@@ -58,7 +111,22 @@ def settle(run: RunMap) -> Real:
     )
 
 
-def _refuse_drifting(run: RunMap, resting: NDArray[np.bool_]) -> None:
+def _settles_by(run: RunMap, newton: Newton) -> bool:
+    """Whether steps by one derivative bring the run to rest as finely as Newton's would."""
+    before = np.inf
+    while True:
+        apart = run.undisturbed() - run.start
+        moved = newton.furthest(apart)
+        stalls = moved * SETTLING > before
+        if moved < FINEST or (moved < CONVERGED and stalls):
+            return True
+        if stalls or not np.isfinite(moved):
+            return False
+        run.move(run.start + newton.step(apart))
+        before = moved
+
+
+def _refuse_drifting(run: RunMap, newton: Newton) -> None:
     """Whether the next hyperperiod leaves the state as it is too.
 
     What users want may move and yet come back to a fixed point of one hyperperiod.
@@ -66,9 +134,7 @@ def _refuse_drifting(run: RunMap, resting: NDArray[np.bool_]) -> None:
     Raises:
         InputError: it does not.
     """
-    run.put(run.start)
-    run.simulation.advance(run.tick + 2 * run.hyperperiod)
-    moved = float(np.abs((run.numbers() - run.start)[resting]).max(initial=0.0))
+    moved = newton.furthest(run.follow(run.start, hyperperiods=2) - run.start)
     run.put(run.start)
     if moved > RESTING:
         raise InputError(

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 
 from cosim.analysis.chance.delays import packet_delays
 from cosim.analysis.monodromy.idealised import damped
-from cosim.analysis.monodromy.operating_point import moving_inputs, refuse_moving, settle
+from cosim.analysis.monodromy.jacobian import jacobian
+from cosim.analysis.monodromy.operating_point import (
+    Newton,
+    Settled,
+    moving_inputs,
+    refuse_moving,
+    settle,
+)
 from cosim.analysis.monodromy.refusal import refuse_what_has_no_theory
 from cosim.analysis.monodromy.run_map import RunMap
 from cosim.analysis.monodromy.spectrum import RunSpectrum, spectrum
@@ -32,13 +39,26 @@ class Point:
 
     Attributes:
         run: the map, standing there.
-        matrix: dΦ/dx, shape (n, n), over one hyperperiod.
+        settled: what is known of its derivative.
         tick: of the operating point.
     """
 
     run: RunMap
-    matrix: Real
+    settled: Settled
     tick: int
+
+    @property
+    def matrix(self) -> Real:
+        """dΦ/dx, shape (n, n), over one hyperperiod.
+
+        Raises:
+            InputError: there is no derivative here.
+        """
+        if self.settled.matrix is None:
+            found = jacobian(self.run)
+            self.settled = Settled(found, self.settled.newton)
+        assert self.settled.matrix is not None
+        return self.settled.matrix
 
     @property
     def seconds(self) -> Fraction:
@@ -95,13 +115,13 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
     scenario = written.built()
     refuse_what_has_no_theory(scenario)
     if near is not None:
-        point = _settled(scenario, near.run)
+        point = _settled(scenario, near.run, near.settled.newton)
         if point is not None:
             return point
     with ExitStack() as until_known:
         run = _stand(until_known.enter_context(_started(scenario)), at)
         if run is not None and run.is_linear:
-            point = Point(run, settle(run), run.tick)
+            point = _known(Point(run, settle(run), run.tick))
             until_known.pop_all()
             return point
     if at is None:
@@ -114,15 +134,28 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
                 assert run is not None
                 refuse_moving(run)
                 found = _settled(scenario, run)
+                assert found is not None, "damping is a parameter"
+                return _known(found)
             except InputError as problem:
                 problems.append(problem)
-            else:
-                assert found is not None, "damping is a parameter"
-                return found
     raise problems[-1]
 
 
-def _settled(scenario: Scenario, near: RunMap) -> Point | None:
+def _known(point: Point) -> Point:
+    """The same with its derivative, which shows whether there is one.
+
+    Raises:
+        InputError: there is none.
+    """
+    try:
+        _ = point.matrix
+    except BaseException:
+        point.close()
+        raise
+    return point
+
+
+def _settled(scenario: Scenario, near: RunMap, nearby: Newton | None = None) -> Point | None:
     """A run of its own at its operating point near where another stands; None: of another plan."""
     simulation = _started(scenario)
     try:
@@ -131,7 +164,7 @@ def _settled(scenario: Scenario, near: RunMap) -> Point | None:
             simulation.close()
             return None
         run.adopt(near)
-        return Point(run, settle(run), run.tick)
+        return Point(run, settle(run, nearby), run.tick)
     except BaseException:
         simulation.close()
         raise

@@ -137,6 +137,18 @@ class RunMap:
         found = [each.read()[0] for each in self.fmus.values()]
         return np.concatenate([*found, *(b.numbers() for b in self.bundles), np.zeros(0)])
 
+    def follow(
+        self,
+        state: Real,
+        fates: Mapping[int, PeriodFate] | None = None,
+        *,
+        hyperperiods: int = 1,
+    ) -> Real:
+        """Φ from a state, whatever switches on the way; or Φ(Φ(x))."""
+        self._put(state, fates)
+        self.simulation.advance(self.tick + hyperperiods * self.hyperperiod)
+        return self.numbers()
+
     def move(self, state: Real) -> None:
         """Take another state as the start, at the same tick."""
         self._put(state, None)

@@ -40,14 +40,16 @@ class SavedFmu:
         """Take the state that the FMU has now as the one to start from."""
         self.words = _words(self.fmu.states.save())
         self.start = self.declared.places(self.words)
+        self.fmu.states.keep(keeper=self)
 
     def put(self, values: Real) -> None:
         """Be at the start with these live numbers."""
-        words = self.words
-        if not np.array_equal(values, self.values):
-            words = words.copy()
-            words.view(np.float64)[self.start] = values
-            words[CHECKSUM] = _checksum(words)
+        if self.fmu.states.keeper is self and np.array_equal(values, self.values):
+            self.fmu.states.go_back()
+            return
+        words = self.words.copy()
+        words.view(np.float64)[self.start] = values
+        words[CHECKSUM] = _checksum(words)
         self.fmu.states.load(words.tobytes())
 
     def overwrite(self, values: Mapping[str, float]) -> None:

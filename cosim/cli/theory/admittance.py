@@ -13,7 +13,8 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.models.parameters import Architecture
 from cosim.theory.transparency.admittance import ARCHITECTURE_OF, Case, Felt, perceived

@@ -5,7 +5,9 @@ from __future__ import annotations
 import click
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options, read_range
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
+from cosim.cli.theory.support.reading import read_range
 from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
 

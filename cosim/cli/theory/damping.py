@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.compensation import null_compensation
 from cosim.theory.transparency.damping import DampingModel
+
+if TYPE_CHECKING:
+    from cosim.analysis.answers.asked import AskedRun
 
 FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
 """Who feels it, by architecture: the remote user of the centralized loop, user 1 of the others."""
@@ -28,7 +32,7 @@ FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
     help="With the hands (Fig. 6.1) or with the forces directly on the objects (Fig. 6.3).",
 )
 @click.option("--all-hands", is_flag=True, help="Every user holds the object, not one alone.")
-@click.option("--user", metavar="NAME", help="With --scenario: the hand that feels it.")
+@click.option("--user", metavar="NAME", help="With --scenario: the hand or operator that feels it.")
 @loop_options(chapter=6, runs=True)
 def command(
     loop: Loop | RunLoop, as_json: bool, kind: DampingModel, all_hands: bool, user: str | None
@@ -37,7 +41,9 @@ def command(
 
     Centralized: the remote user feels it. One user holds the object, as in Fig. 6.1; --all-hands
     lets the others hold it as well. The compensation is the value of an object's parameter:
-    negative compensates. With --scenario everybody holds it as in the run.
+    negative compensates. With --scenario everybody holds it as in the run; in a planar one a user's
+    fingers carry the grasp together along x and y, without what the hands' own springs and
+    dampers add.
     """
     if isinstance(loop, RunLoop):
         if kind != "original":
@@ -76,34 +82,74 @@ def command(
 
 
 def _of_run(loop: RunLoop, user: str | None, *, as_json: bool) -> None:
-    from cosim.analysis.answers.felt import null_run_damping
-    from cosim.analysis.answers.push import find_push
     from cosim.analysis.monodromy.refusal import refuse_chance
-    from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
         refuse_chance(asked.scenario, "damping is")
-        number = 1 if about(asked)["architecture"] == "centralized" else 0
-        push = find_push(asked.scenario, user, number=number)
-        as_it_is = asked.point().spectrum()
-        found = null_run_damping(asked, push)
-        result = {
-            "damping": found.damping,
-            "compensation": found.value,
-            "stable": as_it_is.stable,
-            "compensated_spectral_radius": found.radius,
-            "compensated_stable": found.stable,
-            "compensated_marginal": found.marginal,
-            "user": push.hand,
-            "model": "original",
-            **about(asked),
-        }
-        warning = "" if as_it_is.stable else "; the run itself is unstable, so nobody will feel it"
-        text = (
-            f"{place(asked)}\n"
-            f"damping {found.damping:.6g} N·s/m, felt by {push.hand}{warning}\n"
-            f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated "
-            f"run is {'stable' if found.stable else 'unstable'} (spectral radius "
-            f"{found.radius:.6g} beside the common motion)"
-        )
+        answer = _of_one_axis if asked.point().run.is_linear else _of_grasp
+        result, text = answer(asked, user)
         emit(result, text, as_json=as_json, notes=asked.notes)
+
+
+def _of_one_axis(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str]:
+    from cosim.analysis.answers.felt import null_run_damping
+    from cosim.analysis.answers.push import find_push
+    from cosim.cli.theory.support.run_answer import about, place
+
+    number = 1 if about(asked)["architecture"] == "centralized" else 0
+    push = find_push(asked.scenario, user, number=number)
+    as_it_is = asked.point().spectrum()
+    found = null_run_damping(asked, push)
+    result = {
+        "damping": found.damping,
+        "compensation": found.value,
+        "stable": as_it_is.stable,
+        "compensated_spectral_radius": found.radius,
+        "compensated_stable": found.stable,
+        "compensated_marginal": found.marginal,
+        "user": push.hand,
+        "model": "original",
+        **about(asked),
+    }
+    text = (
+        f"{place(asked)}\n"
+        f"damping {found.damping:.6g} N·s/m, felt by {push.hand}{_warning(as_it_is.stable)}\n"
+        f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated "
+        f"run is {'stable' if found.stable else 'unstable'} (spectral radius "
+        f"{found.radius:.6g} beside the common motion)"
+    )
+    return result, text
+
+
+def _of_grasp(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str]:
+    from cosim.analysis.answers.grasp_damping import null_grasp_damping
+    from cosim.cli.theory.support.run_answer import about, place
+
+    as_it_is = asked.point().spectrum()
+    found = null_grasp_damping(asked, user)
+    result = {
+        "damping": dict(found.damping),
+        "compensation": dict(found.compensation),
+        "stable": as_it_is.stable,
+        "compensated_spectral_radius": found.radius,
+        "compensated_stable": found.stable,
+        "user": list(found.operators),
+        "model": "original",
+        **about(asked),
+    }
+    felt, nulls = (
+        ", ".join(f"{value:.5g} N·s/m along {axis}" for axis, value in values.items())
+        for values in (found.damping, found.compensation)
+    )
+    text = (
+        f"{place(asked)}\n"
+        f"damping {felt}, felt by {' and '.join(found.operators)} together, hands apart"
+        f"{_warning(as_it_is.stable)}\n"
+        f"compensation b_c {nulls} per copy of the box nulls it; with the hands the compensated "
+        f"run is {'stable' if found.stable else 'unstable'} (spectral radius {found.radius:.6g})"
+    )
+    return result, text
+
+
+def _warning(stable: bool) -> str:
+    return "" if stable else "; the run itself is unstable, so nobody will feel it"

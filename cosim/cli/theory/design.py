@@ -11,7 +11,8 @@ from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number, OutputFile
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.theory.chance.network import Network
 from cosim.theory.design.overlay import overlay
 from cosim.theory.design.search import design
@@ -134,7 +135,7 @@ def command(
             where,
         ]
     )
-    from cosim.analysis.single_axis import WITHOUT_CHANCE
+    from cosim.analysis.single_axis_parts import WITHOUT_CHANCE
 
     notes = tuple(note for note in loop.notes if note != WITHOUT_CHANCE)
     emit(result, text, as_json=as_json, notes=notes)

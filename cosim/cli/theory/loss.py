@@ -11,7 +11,8 @@ import click
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.cli.theory.support.run_options import RunLoop
 from cosim.theory.chance.mean_square import critical_loss, mean_square_radius
 from cosim.theory.chance.packets import LinkProcess, Losses, bernoulli, gilbert_elliott

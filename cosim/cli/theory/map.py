@@ -10,7 +10,9 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import FIGURES, OutputFile
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options, read_range
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
+from cosim.cli.theory.support.reading import read_range
 from cosim.theory.stability.map import Axis, stability_maps
 
 

@@ -6,7 +6,8 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.support.options import Loop, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.cli.theory.support.run_options import RunLoop
 
 

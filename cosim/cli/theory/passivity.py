@@ -7,7 +7,8 @@ import numpy as np
 
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.theory.stability.passivity import damping_for_passivity, passive_stiffness
 
 

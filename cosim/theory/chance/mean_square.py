@@ -16,7 +16,8 @@ import numpy as np
 
 from cosim.base.errors import InputError
 from cosim.theory.chance.packets import LinkProcess, Losses, Pattern, bernoulli, join
-from cosim.theory.models.frame import FrameAssembly, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import FrameAssembly
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Real, largest_eigenvalue_of_map, spectral_radius

@@ -14,8 +14,9 @@ from fractions import Fraction
 
 from cosim.base.errors import InputError
 from cosim.theory.chance.network import Network
-from cosim.theory.chance.packets import LinkProcess, bernoulli, independent_frames
-from cosim.theory.design.corners import EDGE, Corner, corners_of, radius_in
+from cosim.theory.design.corners import corners_of
+from cosim.theory.design.judge import CornerJudge
+from cosim.theory.design.limits import reliefs, worst_cause
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.transparency.compensation import null_compensation
@@ -29,8 +30,6 @@ _START = {"k_1": 500.0, "k_2": 50.0, "k_11": 500.0, "k_12": 100.0, "k_o": 100.0}
     "b_12": 3.0,
     "b_o": 5.0,
 }
-CAUSES = ("loss", "jitter", "delay", "network rate", "control rate")
-"""What can be in the way of more stiffness."""
 _TAKEN_BACK = 0.93
 _FACTORS = (2.0, 1.3, 1.08)
 
@@ -60,7 +59,7 @@ class Design:
     @property
     def limited_by(self) -> dict[str, str]:
         """Per free stiffness, the cause that costs most; ``itself`` where none matters."""
-        return {name: _worst(causes) for name, causes in self.limits.items()}
+        return {name: worst_cause(causes) for name, causes in self.limits.items()}
 
 
 def design(
@@ -99,7 +98,7 @@ def design(
     timing = Timing(control_period, ratio, delay, computation_delay)
     names = STIFFNESS[parameters.architecture] + DAMPING[parameters.architecture]
     start = {name: _START[name] for name in names if not _is_given(parameters, name)}
-    judge = _Judge(parameters, network, timing, corners_of(parameters, network, margin))
+    judge = CornerJudge(parameters, network, timing, corners_of(parameters, network, margin))
     gains = _search(judge.quick, start)
     if gains is None:
         raise InputError(_no_design(parameters, network, margin))
@@ -109,7 +108,7 @@ def design(
     radii = judge.radii(gains, compensation)
     limits: dict[str, dict[str, float]] = {}
     if explain:
-        limits = {n: _reliefs(judge, gains, n, margin) for n in gains if n[0] == "k"}
+        limits = {n: reliefs(judge, gains, n, margin) for n in gains if n[0] == "k"}
     return Design(
         gains={name: resolved[_leaf(resolved, name)] for name in names},
         compensation=compensation,
@@ -118,53 +117,6 @@ def design(
         limits=limits,
         timing=timing,
     )
-
-
-class _Judge:
-    """Whether gains stand the corners; those that have failed are asked first."""
-
-    def __init__(
-        self,
-        parameters: Parameters,
-        network: Network,
-        timing: Timing,
-        corners: tuple[Corner, ...],
-    ) -> None:
-        self.parameters, self.network, self.timing = parameters, network, timing
-        self.process = network.process()
-        self.corners = corners
-        self.asked = [c for c in corners if c.stiffness > 1.0 and not c.loses] or list(corners[:1])
-
-    def radius(self, corner: Corner, gains: Mapping[str, float], compensation: float) -> float:
-        """In one corner."""
-        loop = self.parameters.replaced(gains)
-        return radius_in(corner, loop, self.timing, self.process, compensation)
-
-    def quick(self, gains: Mapping[str, float]) -> bool:
-        """In the corners that have mattered so far, without compensation."""
-        return self._stands(self.asked, gains, 0.0)
-
-    def steady(self, gains: Mapping[str, float], compensation: float = 0.0) -> bool:
-        """In every corner in which all packets arrive."""
-        return self._stands([c for c in self.corners if not c.loses], gains, compensation)
-
-    def lossy(self, gains: Mapping[str, float], compensation: float = 0.0) -> bool:
-        """In every corner in which packets are lost."""
-        return self._stands([c for c in self.corners if c.loses], gains, compensation)
-
-    def radii(self, gains: Mapping[str, float], compensation: float) -> dict[str, float]:
-        """In every corner, by name."""
-        return {c.name: self.radius(c, gains, compensation) for c in self.corners}
-
-    def _stands(self, corners: list[Corner], gains: Mapping[str, float], b_c: float) -> bool:
-        first = [c for c in self.asked if c in corners]
-        for corner in (*first, *(c for c in corners if c not in first)):
-            if self.radius(corner, gains, b_c) >= EDGE:
-                if corner.loses:
-                    return False
-                self.asked = [corner, *(c for c in self.asked if c != corner)][:4]
-                return False
-        return True
 
 
 def _search(
@@ -204,7 +156,7 @@ def _grown(
     return True
 
 
-def _confirmed(judge: _Judge, gains: dict[str, float], refusal: str) -> dict[str, float]:
+def _confirmed(judge: CornerJudge, gains: dict[str, float], refusal: str) -> dict[str, float]:
     """Take the stiffness back until every corner holds."""
     for _ in range(90):
         if judge.steady(gains) and judge.lossy(gains):
@@ -215,7 +167,7 @@ def _confirmed(judge: _Judge, gains: dict[str, float], refusal: str) -> dict[str
     raise InputError(refusal)
 
 
-def _compensation(judge: _Judge, gains: Mapping[str, float]) -> float:
+def _compensation(judge: CornerJudge, gains: Mapping[str, float]) -> float:
     """The null at the shortest delay, taken back until every corner holds with it."""
     parameters, network = judge.parameters.replaced(gains), judge.network
     shortest = network.fixed_delay
@@ -235,65 +187,6 @@ def _compensation(judge: _Judge, gains: Mapping[str, float]) -> float:
     while share > 1e-3 and not judge.lossy(gains, share * value):
         share *= 0.8
     return share * value if share > 1e-3 else 0.0
-
-
-def _worst(causes: Mapping[str, float]) -> str:
-    worst = max(causes, key=lambda cause: causes[cause])
-    return worst if causes[worst] > 1.1 else "itself"
-
-
-def _reliefs(
-    judge: _Judge, gains: Mapping[str, float], name: str, margin: float
-) -> dict[str, float]:
-    """By what factor one stiffness could be larger with one cause gone, for every cause.
-
-    The others are taken back by a tenth, so that what is measured is not their own limits. Judged
-    with every gain times 1 + m.
-    """
-    more = 1.0 + margin
-    steady = replace(judge.network, jitter=0.0)
-    eased = {n: v * (0.9 if n[0] == "k" and n != name else 1.0) for n, v in gains.items()}
-    lossy = Corner("", stiffness=more, damping=more, loses=True)
-
-    def growth(network: Network, timing: Timing) -> float:
-        exact = network.process()
-        process: LinkProcess = independent_frames(exact) if network.jitter else exact
-        corner = lossy if network.loss or network.jitter else replace(lossy, loses=False)
-        low, high = 0.0, math.log(64.0)
-        for _ in range(6):
-            middle = (low + high) / 2
-            trial = judge.parameters.replaced({**eased, name: eased[name] * math.exp(middle)})
-            quick = replace(corner, loses=False)
-            stable = radius_in(quick, trial, timing, bernoulli(0.0, 0), 0.0) < EDGE and (
-                not corner.loses or radius_in(corner, trial, timing, process, 0.0) < EDGE
-            )
-            low, high = (middle, high) if stable else (low, middle)
-        return math.exp(low)
-
-    as_it_is = growth(steady, judge.timing)
-    reliefs: dict[str, float] = {}
-    for cause in CAUSES:
-        if cause == "jitter":
-            jittery = len(judge.process.events) > 2
-            reliefs[cause] = as_it_is / growth(judge.network, judge.timing) if jittery else 1.0
-            continue
-        network, timing = _without(cause, steady, judge.timing)
-        same = (network, timing) == (steady, judge.timing)
-        reliefs[cause] = 1.0 if same else growth(network, timing) / as_it_is
-    return reliefs
-
-
-def _without(cause: str, network: Network, timing: Timing) -> tuple[Network, Timing]:
-    """The network and the rates with one cause gone."""
-    better, clock = network.without(cause), timing
-    if cause in {"delay", "network rate"}:
-        clock = replace(clock, delay=PathDelay())
-    if cause == "network rate":
-        better = Network(timing.control_period, 0.0, 0.0, network.loss)
-        clock = replace(clock, ratio=Fraction(1))
-    if cause == "control rate":
-        clock = replace(clock, control_period=clock.control_period / 2, ratio=clock.ratio * 2)
-    return better, clock
 
 
 def _is_given(parameters: Parameters, name: str) -> bool:

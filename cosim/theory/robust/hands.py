@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.theory.models.frame import assemble
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Complex, Real, spectral_radius

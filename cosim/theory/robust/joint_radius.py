@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.theory.numerics import Real
+from cosim.theory.numerics import Real, spectral_radius
 from cosim.theory.robust.automaton import Automaton
 from cosim.theory.robust.lyapunov import certificate
+from cosim.theory.robust.reduction import reduced
 
 Whole = NDArray[np.intp]
 
@@ -24,6 +25,10 @@ MOST_PRODUCTS = 60_000
 """Products on one level; the search ends before it would multiply more."""
 FEW_PRODUCTS = 3_000
 """The same once the bounds lie on one side of 1."""
+LARGE = 40
+"""The order above which fewer products are multiplied, by the cube that each costs."""
+SEARCHED = 24
+"""The order on which short products are searched for."""
 SHORT = 8
 """Maps of a short product."""
 
@@ -85,26 +90,48 @@ def joint_radius(automaton: Automaton, accuracy: float = 1e-4, deepest: int = 40
         if (
             kept.size == 0
             or depth == deepest
-            or kept.size * growth > (FEW_PRODUCTS if decided else MOST_PRODUCTS)
+            or kept.size * growth > _room(automaton, FEW_PRODUCTS if decided else MOST_PRODUCTS)
         ):
             maps = tuple(automaton.edges[edge].map for edge in word)
             return JointRadius(lower, max(upper, lower), proved.radius, maps, depth)
         found, depth = kept.grown(level, leaving), depth + 1
 
 
+def _room(automaton: Automaton, most: int) -> int:
+    """How many products are multiplied on a level."""
+    return max(2 * SEARCHED, int(most * min(1.0, (LARGE / automaton.maps.shape[1]) ** 3)))
+
+
 def _best_short_product(automaton: Automaton) -> tuple[float, tuple[int, ...]]:
-    """The closed product with the largest ρ^{1/k} among all that are short, and its edges."""
-    lower, word = 0.0, ()
+    """The closed product with the largest ρ^{1/k} among all that are short, and its edges.
+
+    Of maps of a large order the short products of their reduction say which to take.
+    """
+    found = [(_growth(automaton, word), word) for word in _best_words(reduced(automaton, SEARCHED))]
+    return max(found, default=(0.0, ()))
+
+
+def _growth(automaton: Automaton, word: tuple[int, ...]) -> float:
+    product = np.eye(automaton.maps.shape[1])
+    for edge in word:
+        product = automaton.along(automaton.edges[edge]) @ product
+    return spectral_radius(product) ** (1.0 / len(word))
+
+
+def _best_words(automaton: Automaton) -> list[tuple[int, ...]]:
+    """Of every short length the closed word that grows most, if more than all shorter ones."""
+    lower, words = 0.0, list[tuple[int, ...]]()
     leaving = _leaving(automaton)
     found = _Branches.roots(automaton)
     for _ in range(SHORT):
         radius, best = found.best_cycle()
         if radius > lower * (1 + 1e-9):
-            lower, word = radius, best
+            lower = radius
+            words.append(best)
         if found.size * max(map(len, leaving)) > FEW_PRODUCTS:
             break
         found = found.grown(automaton, leaving)
-    return lower, word
+    return words
 
 
 def _leaving(automaton: Automaton) -> list[list[int]]:

@@ -16,10 +16,13 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.theory.numerics import Real, spectral_radius
 from cosim.theory.robust.automaton import Automaton
+from cosim.theory.robust.joins import joined_norms
 from cosim.theory.robust.semidefinite import Block, maximise_margin, symmetric_basis
 
 MOST_UNKNOWNS = 2000
-"""Of a semidefinite programme, which takes their cube."""
+"""Of a semidefinite programme, which takes their cube; larger norms are found by joins."""
+SLACK = (0.0, 1e-8, 1e-6, 1e-4)
+"""What rounding may add to a radius before its norms are verified."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,23 +45,24 @@ class Certificate:
 def certificate(automaton: Automaton, known: float, accuracy: float = 1e-4) -> Certificate:
     """The smallest γ with common quadratic norms, to ``accuracy`` (relative).
 
+    Where the norms are too large for a semidefinite programme γ is one that joins prove, which is
+    not the smallest.
+
     Args:
         automaton: the maps.
         known: a radius that no γ can be below: that of a closed product.
         accuracy: relative.
 
     Raises:
-        InputError: the solver is not installed, or the norms are too many for it.
+        InputError: the solver is not installed.
     """
     n = automaton.maps.shape[1]
     unknowns = automaton.nodes * n * (n + 1) // 2
-    if unknowns > MOST_UNKNOWNS:
-        raise InputError(
-            f"Common norms of order {n} in {automaton.nodes} nodes are {unknowns} unknowns; up to "
-            f"{MOST_UNKNOWNS} are solved for. Take shorter delays or bursts, or losses together."
-        )
     start = _start(automaton)
     level = automaton.in_basis(start)
+    if unknowns > MOST_UNKNOWNS:
+        radius, joined = _by_joins(level, known)
+        return Certificate(radius, _in_coordinates(start, joined))
     low, high = known, max(float(np.linalg.norm(one, 2)) for one in level.maps)
     best = np.array([np.eye(n)] * level.nodes)
     # Most answers lie right above the best product: steps that grow fourfold from there.
@@ -70,8 +74,28 @@ def certificate(automaton: Automaton, known: float, accuracy: float = 1e-4) -> C
             low, step = tried, 4 * step
         else:
             high, best, step = tried, found, (tried - low) / 2
-    norms = np.array([t.T @ p @ t for t, p in zip(start, best, strict=True)])
-    return Certificate(high, norms)
+    return Certificate(high, _in_coordinates(start, best))
+
+
+def _in_coordinates(basis: Real, norms: Real) -> Real:
+    return np.array([t.T @ p @ t for t, p in zip(basis, norms, strict=True)])
+
+
+def _by_joins(level: Automaton, known: float) -> tuple[float, Real]:
+    """γ and norms by joins, verified.
+
+    Raises:
+        InputError: rounding spoils every proof.
+    """
+    radius, norms, products = joined_norms(level, known)
+    for slack in SLACK:
+        found = radius * (1.0 + slack)
+        if verified(products.automaton, norms, found**products.length):
+            return found, norms
+    raise InputError(
+        f"No common norms of order {level.maps.shape[1]} could be verified: take shorter delays or "
+        "bursts, or losses together."
+    )
 
 
 def verified(automaton: Automaton, norms: Real, radius: float) -> bool:

@@ -10,7 +10,8 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.theory.chance.mean_square import jump_system
 from cosim.theory.chance.packets import LinkProcess, Losses, Pattern, bernoulli, join
-from cosim.theory.models.frame import FrameAssembly, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import FrameAssembly
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import LONGEST_DELAY, Timing
 from cosim.theory.robust.automaton import Automaton, Edge, arbitrary

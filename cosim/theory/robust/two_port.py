@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.theory.models.frame import Frame, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import Frame
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Bool, Complex, Real, solve_complex

@@ -8,7 +8,7 @@ first-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000), simulate
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +92,30 @@ def as_built(device: RenderedWall, damping: Real, levels: int = 24) -> Real:
     return np.where(first > 0, stiffness[rows, np.maximum(first - 1, 0)], 0.0)
 
 
+def stiffest(
+    device: RenderedWall,
+    damping: Sequence[float],
+    rests: Callable[[float, float], bool],
+    levels: int = 24,
+) -> Real:
+    """The same where every trial is a run of its own, the softest first.
+
+    Args:
+        device: whose rule says where to look.
+        damping: of the walls, N·s/m.
+        rests: whether a trial with a stiffness and a damping comes to rest.
+        levels: of stiffness to each damping.
+    """
+    found = np.zeros(len(damping))
+    for place, one in enumerate(damping):
+        for factor in np.geomspace(0.02, 2.0, levels):
+            stiffness = by_rule(device, one) * float(factor)
+            if not rests(stiffness, one):
+                break
+            found[place] = stiffness
+    return found
+
+
 def _rests(device: RenderedWall, stiffness: Real, damping: Real) -> Bool:
     """Which walls bring the mass to rest, shape (walls,)."""
     lanes = stiffness.size
@@ -100,9 +124,8 @@ def _rests(device: RenderedWall, stiffness: Real, damping: Real) -> Bool:
     measured = _counted(position, device.count)
     history = np.tile(measured, (max(device.window, 1) + 1, 1))
     late = [np.zeros(lanes) for _ in range(device.delay)]
-    marks = [round(seconds / device.period) for seconds in (*LOOKED, 2 * LOOKED[1] - LOOKED[0])]
-    low, high = np.full((2, lanes), np.inf), np.full((2, lanes), -np.inf)
-    for tick in range(marks[2]):
+    seen = np.zeros((_marks(device.period)[2], lanes))
+    for tick in range(len(seen)):
         measured = _counted(position, device.count)
         history = np.roll(history, 1, axis=0)
         history[0] = measured
@@ -115,12 +138,28 @@ def _rests(device: RenderedWall, stiffness: Real, damping: Real) -> Bool:
         )
         # What has run away stays away.
         position = np.clip(position, -1.0, 1.0)
-        if tick >= marks[0]:
-            part = int(tick >= marks[1])
-            low[part] = np.minimum(low[part], position)
-            high[part] = np.maximum(high[part], position)
-    before, after = high - low
-    return (after <= max(SETTLED_COUNTS * device.count, 1e-9)) | (after < CALMER * before)
+        seen[tick] = position
+    return comes_to_rest(seen, device.period, device.count)
+
+
+def comes_to_rest(seen: Real, period: float, count: float) -> Bool:
+    """Which trials come to rest, or nearer to it each half second, shape (lanes,).
+
+    Args:
+        seen: positions, shape (ticks, lanes), m.
+        period: of a tick, s.
+        count: of the encoder, m.
+    """
+    first, second, last = _marks(period)
+    before, after = (np.ptp(one, axis=0) for one in (seen[first:second], seen[second:last]))
+    return (after <= max(SETTLED_COUNTS * count, 1e-9)) | (after < CALMER * before)
+
+
+def _marks(period: float) -> tuple[int, int, int]:
+    first, second, last = (
+        round(seconds / period) for seconds in (*LOOKED, 2 * LOOKED[1] - LOOKED[0])
+    )
+    return first, second, last
 
 
 def _windowed(history: Real, device: RenderedWall) -> Real:

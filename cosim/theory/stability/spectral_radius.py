@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.direct import direct_model
-from cosim.theory.models.frame import assemble
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Real, find_root, minimise_bounded
 from cosim.theory.stability.quotient import Spectrum, decisive_spectrum
+
+_FINEST = 1e-13
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +77,53 @@ def stable_intervals(
         raise InputError(f"The range {low:g}:{high:g} is empty: give LOW:HIGH with LOW below HIGH.")
     grid = _grid(low, high, points)
     values = np.array([radius(float(value)) - 1.0 for value in grid])
+    return _intervals(radius, grid, values, _FINEST)
+
+
+def stable_interval_around(
+    radius: Callable[[float], float],
+    inside: float,
+    low: float,
+    high: float,
+    points: int,
+    *,
+    accuracy: float = _FINEST,
+) -> tuple[float, float] | None:
+    """The interval of [low, high] around a value where ``radius`` is below 1; None if it is not.
+
+    The samples are those of ``stable_intervals``, taken outwards from the value for as long as they
+    are stable, so that what lies beyond is not asked.
+
+    Args:
+        radius: as there.
+        inside: the value.
+        low: start of the range.
+        high: end of the range.
+        points: number of samples of the whole range.
+        accuracy: of the ends.
+    """
+    if radius(inside) >= 1.0:
+        return None
+    grid = _grid(low, high, points)
+    known = {inside: radius(inside) - 1.0}
+    for values in (grid[grid > inside], grid[grid < inside][::-1]):
+        for value in map(float, values):
+            known[value] = radius(value) - 1.0
+            if known[value] >= 0.0:
+                break
+    taken = np.array(sorted(known))
+    found = _intervals(radius, taken, np.array([known[v] for v in taken.tolist()]), accuracy)
+    return next((each for each in found if each[0] <= inside <= each[1]), None)
+
+
+def _intervals(
+    radius: Callable[[float], float], grid: Real, values: Real, accuracy: float
+) -> list[tuple[float, float]]:
+    """Those between the samples' ends."""
+    low, high = float(grid[0]), float(grid[-1])
     grid, values = _with_hidden_extrema(radius, grid, values)
     edges = [
-        _crossing(radius, float(grid[left]), float(grid[left + 1]))
+        _crossing(radius, float(grid[left]), float(grid[left + 1]), accuracy)
         for left in range(grid.size - 1)
         if (values[left] < 0) != (values[left + 1] < 0)
     ]
@@ -99,13 +145,15 @@ def _grid(low: float, high: float, points: int) -> Real:
     return even
 
 
-def _crossing(radius: Callable[[float], float], left: float, right: float) -> float:
+def _crossing(
+    radius: Callable[[float], float], left: float, right: float, accuracy: float
+) -> float:
     at_left, at_right = radius(left) - 1.0, radius(right) - 1.0
     if at_left == 0.0:
         return left
     if at_right == 0.0:
         return right
-    return find_root(lambda value: radius(value) - 1.0, left, right)
+    return find_root(lambda value: radius(value) - 1.0, left, right, accuracy)
 
 
 def _with_hidden_extrema(

@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from cosim.base.errors import InputError
-from cosim.theory.models.frame import Frame, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import Frame
 from cosim.theory.models.mass_spring_damper import Centralized, Model
 from cosim.theory.models.parameters import TABLE_6_1, WALL, Architecture, Parameters
 from cosim.theory.models.timing import Timing

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.direct import direct_model
-from cosim.theory.models.frame import assemble
 from cosim.theory.models.mass_spring_damper import Centralized, Model
 from cosim.theory.models.timing import Timing
 from cosim.theory.numerics import Real

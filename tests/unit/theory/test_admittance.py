@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cosim.base.errors import InputError
-from cosim.theory.models.frame import Frame, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import Frame
 from cosim.theory.models.parameters import TABLE_6_1, Parameters
 from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.transparency.admittance import Case, Felt, default_parameters, perceived

@@ -20,7 +20,8 @@ from cosim.theory.chance.packets import (
     join,
     random_delay,
 )
-from cosim.theory.models.frame import HOLD, assemble
+from cosim.theory.models.assembly import assemble
+from cosim.theory.models.frame import HOLD
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import CHAPTER_5, Architecture, Parameters
 from cosim.theory.models.timing import PathDelay, Timing

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.theory.models.frame import assemble
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.parameters import CHAPTER_5, TABLE_6_1, Architecture, Parameters
 from cosim.theory.models.timing import PathDelay, Timing
 from cosim.theory.stability.spectral_radius import stability

@@ -10,8 +10,8 @@ import pytest
 from cosim.analysis.answers.asked import AskedRun, ask
 from cosim.analysis.single_axis import read_single_axis
 from cosim.scenario.load import read
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.direct import direct_model
-from cosim.theory.models.frame import assemble
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.stability.spectral_radius import stability
 from fmus.builder import load_model

@@ -9,8 +9,8 @@ import scipy.linalg
 import scipy.optimize
 from hypothesis import given, settings
 
+from cosim.theory.models.assembly import assemble
 from cosim.theory.models.direct import direct_model
-from cosim.theory.models.frame import assemble
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.monodromy import monodromy
 from cosim.theory.models.timing import Timing

@@ -6,7 +6,9 @@ import click
 import numpy as np
 
 from cosim.cli.support.command import JsonCommand
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options, read_range
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
+from cosim.cli.theory.support.reading import read_range
 from cosim.theory.robust.hands import Interval, robustness, uncertain_hands
 
 

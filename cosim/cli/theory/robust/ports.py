@@ -10,7 +10,8 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.cli.support.command import JsonCommand
 from cosim.cli.support.values import Number
-from cosim.cli.theory.support.options import Loop, describe, emit, loop_options
+from cosim.cli.theory.support.loop import Loop, describe, emit
+from cosim.cli.theory.support.options import loop_options
 from cosim.theory.robust.transparency import PassiveHand, lawrence, yokokohji
 from cosim.theory.robust.two_port import default_frequencies, two_port
 

@@ -1,24 +1,24 @@
-"""The options that every theory command shares, and the loop that they describe."""
+"""The options that every theory command shares."""
 
 from __future__ import annotations
 
 import functools
-import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from cosim.base.errors import InputError
+from cosim.cli.theory.support.loop import Loop
+from cosim.cli.theory.support.reading import read_delay, read_fraction, read_setting
 from cosim.cli.theory.support.run_options import (
     RUN_OPTIONS,
     is_path,
     read_run,
     refuse_run_options,
 )
-from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import (
     ARCHITECTURES,
     CHAPTER_5,
@@ -33,44 +33,6 @@ if TYPE_CHECKING:
     from cosim.scenario import Scenario
 
 DEFAULTS: dict[int, dict[Architecture, dict[str, float]]] = {5: CHAPTER_5, 6: TABLE_6_1}
-
-
-@dataclass(frozen=True, slots=True)
-class Loop:
-    """The loop that the options describe.
-
-    Attributes:
-        parameters: its parameters, by the thesis's names.
-        timing: its rates and delays.
-        notes: sentences about how it was read, for people.
-        scenario: where the network comes from.
-        says_delay: whether the options say a delay, which is then not the scenario's.
-    """
-
-    parameters: Parameters
-    timing: Timing
-    notes: tuple[str, ...] = ()
-    scenario: Scenario | None = None
-    says_delay: bool = False
-
-    @property
-    def architecture(self) -> Architecture:
-        """single, centralized or distributed."""
-        return self.parameters.architecture
-
-    @property
-    def model(self) -> Model:
-        """The model with every user's hand in it."""
-        return self.parameters.model()
-
-    def timing_at(self, forward: int, backward: int) -> Timing:
-        """The timing with another delay (network samples)."""
-        return replace(self.timing, delay=PathDelay(forward, backward))
-
-    def one_hand(self, user: int) -> Model:
-        """The model with one user's hand alone (Fig. 6.1)."""
-        users = self.parameters.users
-        return self.parameters.model(tuple(m == user for m in range(users)))
 
 
 def loop_options(
@@ -101,7 +63,6 @@ def loop_options(
                     shared["overlays"],
                     shared["settings"],
                     {**shared, **moment},
-                    read_setting,
                 )
                 function(loop=asked, **values)
                 return
@@ -263,96 +224,3 @@ def _from_scenario(
 
         refuse_another_loop(written, found)
     return found, scenario
-
-
-def read_setting(text: str) -> tuple[str, float]:
-    """Read ``name=value``.
-
-    Raises:
-        InputError: where it has another form, or the value is not a number.
-    """
-    name, separator, value = text.partition("=")
-    if not separator or not name.strip():
-        raise InputError(f"--set {text}: write NAME=VALUE, such as --set k_11=2000.")
-    try:
-        return name.strip(), float(value)
-    except ValueError:
-        raise InputError(
-            f"--set {text}: {value.strip()!r} is not a number; give it in SI units, such as 2000."
-        ) from None
-
-
-def read_fraction(option: str, text: str) -> Fraction:
-    """Read a positive number, exactly: ``8``, ``17/2`` or ``8.5``.
-
-    Raises:
-        InputError: where it is not one.
-    """
-    try:
-        value = Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise InputError(
-            f"{option} {text}: give a positive number such as 8, 17/2 or 8.5."
-        ) from None
-    if value <= 0:
-        raise InputError(f"{option} {text}: it must be positive.")
-    return value
-
-
-def read_range(text: str, option: str = "--range", example: str = "1:50000") -> tuple[float, float]:
-    """Read an option's ``LOW:HIGH``.
-
-    Raises:
-        InputError: where it has another form.
-    """
-    low, separator, high = text.partition(":")
-    try:
-        if separator:
-            return float(low), float(high)
-    except ValueError:
-        pass
-    raise InputError(f"{option} {text}: write LOW:HIGH, such as {example}.")
-
-
-def read_delay(
-    round_trip: int | None, each_way: int | None, forward: int | None, backward: int | None
-) -> PathDelay:
-    """The delay from exactly one of its three forms; none of them means no delay.
-
-    Raises:
-        InputError: where two forms are mixed.
-    """
-    both = forward is not None or backward is not None
-    if sum((round_trip is not None, each_way is not None, both)) > 1:
-        raise InputError(
-            "Give the delay in one form only: --round-trip-delay, --each-way-delay, or "
-            "--forward-delay with --backward-delay."
-        )
-    if round_trip is not None:
-        return PathDelay.round_trip(round_trip)
-    if each_way is not None:
-        return PathDelay.each_way(each_way)
-    return PathDelay(forward or 0, backward or 0)
-
-
-def emit(result: Mapping[str, Any], text: str, *, as_json: bool, notes: tuple[str, ...]) -> None:
-    """Print a result: one JSON object, or text; remarks go to stderr."""
-    for note in notes:
-        click.echo(note, err=True)
-    click.echo(json.dumps(result, ensure_ascii=False) if as_json else text)
-
-
-def describe(loop: Loop) -> str:
-    """One line that says which loop a result is about."""
-    timing = loop.timing
-    if loop.architecture == "single":
-        place = f"single user, T_c = 1/{1 / timing.control_period} s"
-    else:
-        place = (
-            f"{loop.architecture}, {loop.parameters.users} users, "
-            f"T_c = 1/{1 / timing.control_period} s, N = {timing.ratio}, "
-            f"delay {timing.delay.forward} forward and {timing.delay.backward} backward"
-        )
-    if timing.computation_delay:
-        place += f", computation delay {timing.computation_delay}"
-    return place

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import click
 
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import QuantityError, quantity
+from cosim.cli.theory.support.reading import read_setting
 
 if TYPE_CHECKING:
     from cosim.analysis.answers.asked import AskedRun
@@ -74,7 +74,6 @@ def read_run(
     overlays: tuple[str, ...],
     settings: tuple[str, ...],
     options: dict[str, Any],
-    read_setting: Callable[[str], tuple[str, float]],
 ) -> RunLoop:
     """The run that the options describe.
 

@@ -31,6 +31,8 @@ class States:
         self._residence = residence
         self._conduct = conduct
         self._kept: Any = None
+        self.keeper: object = None
+        """Whose the kept state is; another who keeps one takes its place."""
 
     def save(self, when: str = "") -> bytes:
         """The state as bytes.
@@ -53,8 +55,8 @@ class States:
             status = bound.load_state(content)
         self._conduct.check_state("restore its state", status, when)
 
-    def keep(self, when: str = "") -> None:
-        """Remember the state, for ``go_back``.
+    def keep(self, when: str = "", keeper: object = None) -> None:
+        """Remember the state, for ``go_back``; ``keeper`` says whose it is.
 
         Raises:
             RunError: the FMU cannot give it.
@@ -64,6 +66,7 @@ class States:
             status, state = bound.keep_state()
         self._conduct.check_state("save its state", status, when)
         self._kept = state
+        self.keeper = keeper
 
     def go_back(self, when: str = "") -> None:
         """Be where the state was kept.
@@ -79,7 +82,7 @@ class States:
 
     def drop(self) -> None:
         """Give back what was kept, if anything was and the FMU may be called at all."""
-        state, self._kept = self._kept, None
+        state, self._kept, self.keeper = self._kept, None, None
         if state is not None and not self._conduct.is_lost:
             with self._calls() as bound:
                 # It is not needed again, so that nothing but what may be called hangs on this.
