@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, NoReturn
@@ -17,24 +17,24 @@ from typing import Any, NoReturn
 from cosim.base.errors import InputError, RunError
 from cosim.base.recording import Sink
 from cosim.base.system.grants import Grant
-from cosim.base.system.pulse import Pulse, Who
-from cosim.base.system.supervised import Opening, Opens, Supervised
+from cosim.base.system.pulse import Pulse
+from cosim.base.system.supervised import Supervised
 from cosim.master.run.execution.loop import Progress
 from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
 from cosim.master.run.simulation import Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer
-from cosim.realtime.leftovers import remove_leftovers
+from cosim.realtime.devices_of_run import DevicesOfRun
 from cosim.realtime.live import Feed, shared_folder
 from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
 from cosim.realtime.relay import RelayPump, make_rings, make_text_ring
 from cosim.realtime.ring import Ring
+from cosim.realtime.shared.leftovers import remove_leftovers
 from cosim.realtime.signals import Ear, blocked, heard_by
 from cosim.realtime.supervisor import STALL_SECONDS, supervise
 
 LOCKSTEP_STALL_SECONDS = 10.0
 """With devices in lock-step alone, time is counted in exchanges and the clock stops nothing."""
-UNKNOWN = "output unknown, cut the power: the device may still be pushing"
 
 
 @dataclass(slots=True)
@@ -61,8 +61,7 @@ class PacedRun:
     """Rows that came too fast for the recorder."""
     lost_texts: int = 0
     """Changes of texts that did."""
-    _devices: dict[str, Supervised] = field(default_factory=dict[str, Supervised])
-    """Those that are open in this process, by component."""
+    _devices: DevicesOfRun | None = None
     _reached: int = 0
     """Ticks whose rows have come."""
     _has_begun: bool = False
@@ -80,22 +79,24 @@ class PacedRun:
         if not hasattr(os, "fork"):
             raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
         simulation.whereabouts.is_watched = True  # the loop's process, by its supervisor
-        run = _Run(self, simulation, self.pulse)
+        run = _Run(self, simulation)
+        devices = self._devices = run.devices
         with ExitStack() as stack:
-            stack.callback(run.let_go)
+            stack.callback(devices.let_go)
             try:
-                run.open_shared()
+                remove_leftovers(shared_folder())
+                devices.open_shared()
             except BaseException:
-                run.close_all()  # nothing was forked yet: they are ours to zero
+                devices.close_all()  # nothing was forked yet: they are ours to zero
                 raise
-            run.ask_for_the_rest()
+            devices.ask_for_the_rest()
             for ring in run.rings:
                 stack.callback(ring.remove)
             stack.callback(run.feed.remove)
             if run.texts is not None:
                 stack.callback(run.texts.remove)
             killed = run.record(recorder, progress)
-        self._conclude(simulation, killed, run)
+        self._conclude(simulation, killed, devices.unsure())
 
     def statistics(self) -> dict[str, Any]:
         """Deadlines and what the system granted, for the manifest."""
@@ -125,14 +126,14 @@ class PacedRun:
         """
         if self.pulse.stop_asked:
             raise KeyboardInterrupt
-        for device in self._devices.values():
+        for device in self.devices.values():
             device.idle()
-        return bool(self._devices)
+        return bool(self.devices)
 
     @property
-    def devices(self) -> dict[str, Supervised]:
+    def devices(self) -> Mapping[str, Supervised]:
         """Those that are open in this process, by component."""
-        return self._devices
+        return {} if self._devices is None else self._devices.open
 
     def take(self, message: Message) -> None:
         """Something that supervisor or loop have said."""
@@ -153,7 +154,7 @@ class PacedRun:
         self._reached = tick
         return tick
 
-    def _conclude(self, simulation: Simulation, killed: str | None, run: _Run) -> None:
+    def _conclude(self, simulation: Simulation, killed: str | None, unsure: list[str]) -> None:
         report = self.report
         if report is not None and report.outcome is not None:
             simulation.outcome = report.outcome
@@ -162,7 +163,6 @@ class PacedRun:
             simulation.outcome = replace(simulation.outcome, ticks=self._reached, said=said)
         error = report.error if report is not None else None
         sentences = [str(error)] if error is not None else self._ended(simulation, killed)
-        unsure = run.unsure()
         for sentence in report.slow if report is not None else ():
             self.say(sentence)
         if self.lost_rows:
@@ -202,95 +202,23 @@ class PacedRun:
 
 
 class _Run:
-    """One run's devices, rings and processes."""
+    """One run's rings and processes."""
 
-    def __init__(self, paced: PacedRun, simulation: Simulation, pulse: Pulse) -> None:
-        self._paced, self._simulation, self._pulse = paced, simulation, pulse
-        self._parts: dict[str, Opens] = {
-            name: part.component
-            for name, part in simulation.assembly.participants.items()
-            if isinstance(part.component, Opens)
-        }
-        self._number = {name: number for number, name in enumerate(self._parts)}
+    def __init__(self, paced: PacedRun, simulation: Simulation) -> None:
+        self._paced, self._simulation = paced, simulation
+        self._pulse: Pulse = paced.pulse
         self._rate: Fraction = simulation.scenario.base_rate
+        self.devices = DevicesOfRun(simulation, paced.pulse)
         self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
         self.texts = make_text_ring(simulation.groups)
         self._more = paced.about(simulation) if paced.about is not None else None
         self.feed = Feed(
             simulation.scenario.name,
             float(self._rate),
-            self._parts,
+            self.devices.parts,
             self.rings,
             start=float(simulation.scenario.start_time),
         )
-
-    # --- devices ---------------------------------------------------------------------------------
-
-    def open_shared(self) -> None:
-        """Open the devices whose ports the other processes can go on with."""
-        remove_leftovers(shared_folder())
-        self._pulse.who = Who.COMMAND
-        for _ in self._opening(shared=True):
-            pass
-
-    def ask_for_the_rest(self) -> None:
-        """What people have to be asked of the devices that the loop opens, where nobody is."""
-        for part in self._parts.values():
-            if not part.shares_port:
-                part.ask()
-
-    def _opening(self, *, shared: bool) -> Generator[Supervised]:
-        """One by one, so that the caller knows of those that are open when the next one fails."""
-        participants, scenario = self._simulation.assembly.participants, self._simulation.scenario
-        for name, part in self._parts.items():
-            if part.shares_port is shared:
-                device = part.open(
-                    Opening(
-                        name=name,
-                        number=self._number[name],
-                        tick=participants[name].period / self._rate,
-                        parameters=dict(scenario.components[name].parameters),
-                        pulse=self._pulse,
-                        clock=time.monotonic,
-                    )
-                )
-                self._paced.devices[name] = device
-                yield device
-
-    def close_all(self) -> None:
-        """Zero the devices that are open here, and let go of them."""
-        for device in self._paced.devices.values():
-            with suppress(Exception):
-                device.close()
-
-    def let_go(self) -> None:
-        """Of the ports; who had to be zeroed is."""
-        for device in self._paced.devices.values():
-            with suppress(Exception):
-                device.release()
-
-    def _numbered(self) -> list[tuple[int, Supervised]]:
-        return [(self._number[name], device) for name, device in self._paced.devices.items()]
-
-    def unsure(self) -> list[str]:
-        """What has to be said of devices that nobody saw at zero after their last torque."""
-        said: list[str] = []
-        for name, number in self._number.items():
-            if self._pulse.is_cold(number):
-                continue
-            device = self._paced.devices.get(name)
-            if device is None:
-                said.append(
-                    f"{name} is out of the supervisor's reach; its board's watchdog drops "
-                    "the torque"
-                )
-            elif device.drops_torque:
-                said.append(f"{device.name} does not answer; its own watchdog drops the torque")
-            elif not device.in_process:
-                said.append(f"{device.name}: {UNKNOWN}")
-        return said
-
-    # --- processes -------------------------------------------------------------------------------
 
     def record(self, recorder: Sink, progress: Progress | None) -> str | None:
         """Fork, and record until nobody can write any more; why they were killed, if they were."""
@@ -341,7 +269,10 @@ class _Run:
                 if progress is not None:
                     progress(reached, time.perf_counter() - began)
 
-        watch = Watch(supervisor, self._pulse, pipe, wake, len(self._parts), timed=self._timed())
+        devices = self.devices
+        watch = Watch(
+            supervisor, self._pulse, pipe, wake, len(devices.parts), timed=devices.are_timed
+        )
         failed: BaseException | None = None
         try:
             watch.to_the_end(take, now_and_then)
@@ -349,7 +280,7 @@ class _Run:
             failed = error
             self._pulse.ask_to_stop()
             watch.to_the_end(paced.take, lambda: None)
-        zero_the_rest(self._numbered(), self._pulse)
+        zero_the_rest(devices.numbered(), self._pulse)
         os.waitpid(supervisor, 0)
         watch.close()
         if failed is not None:
@@ -364,11 +295,11 @@ class _Run:
         try:
             os.setsid()
             ending = supervise(
-                self._numbered(),
+                self.devices.numbered(),
                 lambda: self._loop(tell),
                 self._pulse,
                 command=alive,
-                stall=STALL_SECONDS if self._timed() else LOCKSTEP_STALL_SECONDS,
+                stall=STALL_SECONDS if self.devices.are_timed else LOCKSTEP_STALL_SECONDS,
                 real_time=self._paced.real_time,
             )
             say(tell, ending)
@@ -377,12 +308,6 @@ class _Run:
             say(tell, LoopReport(error=RunError(text)))
         finally:
             os._exit(0)
-
-    def _timed(self) -> bool:
-        """Whether a clock matters: not with devices in lock-step alone."""
-        devices = self._paced.devices.values()
-        apart = len(self._parts) > len(devices)
-        return apart or not devices or any(not device.lockstep for device in devices)
 
     def _loop(self, tell: int) -> int:
         """In the loop's process."""
@@ -401,10 +326,6 @@ class _Run:
             self.rings,
             self.texts,
             self.feed,
-            lambda: self._opening(shared=False),
-            self._in_order,
+            lambda: self.devices.opening(shared=False),
+            self.devices.in_order,
         )
-
-    def _in_order(self) -> Sequence[Supervised]:
-        """Every device, as the feed tells of them."""
-        return [self._paced.devices[name] for name in self._parts]

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from cosim.realtime.leftovers import OLD_SECONDS, leftovers, remove_leftovers
 from cosim.realtime.ring import Ring
+from cosim.realtime.shared.leftovers import OLD_SECONDS, leftovers, remove_leftovers
 
 CODE = """
 import time
