@@ -50,6 +50,11 @@ def command(
             raise InputError(
                 "--model simplified has no hands, and a run has those of its scenario."
             )
+        if all_hands:
+            raise InputError(
+                "--all-hands is of the closed forms: in a run everybody holds the object as the "
+                "scenario says. Leave it out."
+            )
         _of_run(loop, user, as_json=as_json)
         return
     if user is not None:

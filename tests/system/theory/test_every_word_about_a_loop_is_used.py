@@ -45,6 +45,13 @@ def test_a_base_rate_changes_what_a_tick_is() -> None:
     assert answer(*read, "--set", "base_rate=2048 Hz")["architecture"] == "distributed"
 
 
+def test_who_holds_is_asked_of_closed_forms_alone() -> None:
+    loop = ("damping", "--architecture", "distributed")
+    alone, everyone = answer(*loop), answer(*loop, "--all-hands")
+    assert everyone["damping"] != pytest.approx(alone["damping"], rel=1e-3)
+    assert "as the scenario says" in refusal("damping", *DISTRIBUTED, "--all-hands")
+
+
 def test_a_delay_or_a_computation_delay_needs_something_to_delay(tmp_path: Path) -> None:
     one = ("radius", "--scenario", "single_user")
     for form in ("--round-trip-delay", "--each-way-delay", "--forward-delay"):

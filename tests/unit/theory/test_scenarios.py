@@ -81,7 +81,7 @@ def test_measured_damping_is_the_theorys() -> None:
     """Pushed with 1 N for long, the hand ends up at 1/b, the force being held over every frame."""
     sets = ("components.step_1.parameters.start_time=0", "duration=8 s")
     speed = frames("single_axis_distributed", sets, ("hand_1.velocity",))[-1, 0]
-    loop = ("damping", "--scenario", "single_axis_distributed", "--all-hands")
+    loop = ("damping", "--scenario", "single_axis_distributed")
     assert theory(*loop)["damping"] == pytest.approx(1 / speed, rel=1e-9)
 
 
@@ -103,7 +103,7 @@ def test_measured_damping_of_one_hand_alone_is_table_6_2() -> None:
 
 
 def test_compensation_from_the_theory_nulls_the_damping_of_a_run() -> None:
-    loop = ("damping", "--scenario", "scenarios/single_axis_distributed.yaml", "--all-hands")
+    loop = ("damping", "--scenario", "scenarios/single_axis_distributed.yaml")
     null = theory(*loop)["compensation"]
     sets = [f"components.object_{m}.parameters.compensation={null}" for m in (1, 2)]
     sets += ["components.step_1.parameters.start_time=0", "duration=4 s"]
