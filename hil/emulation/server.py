@@ -132,6 +132,12 @@ class Server:
         if delay:
             self._late.append((world.tick + delay.delay, unit))
         else:
+            self._deliver(self._late)  # nothing overtakes on a wire
+            self._late = []
+            self._link.write(unit)
+
+    def _deliver(self, late: list[tuple[int, Unit]]) -> None:
+        for _, unit in late:
             self._link.write(unit)
 
     def _advance(self) -> None:
@@ -142,11 +148,10 @@ class Server:
         """What a tick brings besides the mechanism's motion."""
         for unit in self._board.tick():
             self._answer(unit, self._world.tick)
-        due = [unit for tick, unit in self._late if tick <= self._world.tick]
-        self._late = [(tick, unit) for tick, unit in self._late if tick > self._world.tick]
+        due = [each for each in self._late if each[0] <= self._world.tick]
+        self._late = [each for each in self._late if each[0] > self._world.tick]
         if not self._unplugged:
-            for unit in due:
-                self._link.write(unit)
+            self._deliver(due)
         if self._world.fault(FaultKind.UNPLUG):
             self._unplug()
 

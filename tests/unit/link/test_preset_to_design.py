@@ -114,4 +114,4 @@ def test_the_design_takes_delay_jitter_and_loss_from_the_scenarios_channel(
     assert plain.jitter == pytest.approx(1.0e-3, abs=0.5e-3)
     assert plain.loss == pytest.approx(0.02, abs=0.006)
     assert (jitter.delay, jitter.jitter, jitter.loss) == (plain.delay, 0.003, plain.loss)
-    assert (samples.delay, samples.jitter, samples.loss) == (2 / 128, 0.0, 0.0)
+    assert (samples.delay, samples.jitter, samples.loss) == (2 / 128, plain.jitter, plain.loss)

@@ -118,7 +118,9 @@ HARMFUL = {
     "two types": Break(2, P2, P2 + '<Integer start="1"/>', "p is of Real and Integer"),
     "no type": Break(2, P2, "", "p is of no type"),
     "a start that is no number": Break(2, P2, '<Real start="one"/>', "its start, one"),
-    "a limit that is no number": Break(2, P2, '<Real start="1" min="low"/>', "'low'"),
+    "a limit that is no number": Break(
+        2, P2, '<Real start="1" min="low"/>', "min, low, is no number"
+    ),
     "a range without values": Break(3, f"{P3}/>", f'{P3} min="3" max="2"/>', "above its most"),
     "too many starts": Break(
         3,

@@ -33,9 +33,12 @@ def test_cautious_compensates_less_on_each_axis_and_the_same_in_rotation():
     assert auto[2] == cautious[2]
 
 
-def test_a_delay_between_two_samples_is_rounded_down():
-    later = compensation("auto", "channels.lan.round_trip_delay=17 ms")
-    assert later == compensation("auto", "channels.lan.round_trip_delay=2")
+def test_a_delay_between_two_samples_is_taken_as_it_is_and_rounded_down_by_caution():
+    delay = "channels.lan.round_trip_delay="
+    two, late, three = (compensation("auto", f"{delay}{n}") for n in (2, "18 ticks", 3))
+    assert late == pytest.approx([0.75 * a + 0.25 * b for a, b in zip(two, three, strict=True)])
+    assert compensation("cautious", f"{delay}18 ticks") == compensation("cautious", f"{delay}2")
+    assert compensation("cautious", f"{delay}18 ticks") != compensation("cautious", f"{delay}3")
 
 
 def test_the_resolved_scenario_shows_the_numbers():
