@@ -29,7 +29,7 @@ CEILING = 4 * Limits().torque
 SLEW = 4 * Limits().slew
 TICK = Fraction(1, 1024)
 HOME = {"haply": [2.427, 0.714], "cobs": [2.2896, 0.852]}
-FILES = 300
+FILES = 150
 
 
 class Wire:

@@ -85,7 +85,7 @@ def test_a_run_as_it_is_bundled_follows_the_powers_of_its_map(name: str) -> None
     assert check(name, [], 0)
 
 
-@pytest.mark.one_in(20)
+@pytest.mark.one_in(40)
 @pytest.mark.parametrize("batch", range(40))
 def test_a_mutated_planar_run_follows_the_powers_of_its_own_map(batch: int) -> None:
     generator = np.random.default_rng(500 + batch)

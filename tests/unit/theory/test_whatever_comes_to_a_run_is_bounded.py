@@ -69,8 +69,13 @@ def test_delays_that_alternate_grow_in_the_run_and_in_the_kernel(asked: AskedRun
         assert orders.kernel_growth(found.word) == pytest.approx(found.lower, rel=1e-6)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["bursts", "switching"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param("bursts", marks=pytest.mark.slow),
+        pytest.param("switching", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_a_planar_run_is_bounded_and_grows_as_said(kind: str) -> None:
     with ask(read("two_users_box_centralized", (), [*HELD, "channels.lan.each_way_delay=0"])) as it:
         if kind == "bursts":
