@@ -12,6 +12,7 @@ from math import cos, sin
 from typing import Any
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 from cosim.live.mailbox import FINGERS
 from cosim.scenario import Scenario, ScenarioComponent
 
@@ -110,11 +111,15 @@ def _reach(scenario: Scenario, operator: str) -> tuple[float, float, float]:
     device = _device(scenario, operator)
     if device is None:
         start: Any = scenario.components[operator].parameters.get("initial_position", (0.0, 0.0))
-        return float(start[0]), float(start[1]), DEFAULT_REACH
+        x, y = (float(quantity(each, "m")) for each in start)
+        return x, y, DEFAULT_REACH
     lengths = _lengths(device.parameters)
     stretched = lengths["proximal_length"] + lengths["distal_length"]
     x, y = 0.5 * lengths["base_distance"], FORWARD * stretched
-    base_x, base_y, turn = (_number(device.parameters, f"base_{k}") for k in ("x", "y", "angle"))
+    base_x, base_y, turn = (
+        _number(device.parameters, f"base_{k}", unit)
+        for k, unit in (("x", "m"), ("y", "m"), ("angle", "rad"))
+    )
     return (
         base_x + cos(turn) * x - sin(turn) * y,
         base_y + sin(turn) * x + cos(turn) * y,
@@ -138,10 +143,10 @@ def _lengths(parameters: Mapping[str, Any]) -> dict[str, float]:
     preset = 1 if parameters.get("device") in {1, "haply"} else 0
     found: dict[str, float] = {}
     for name in ("proximal_length", "distal_length", "base_distance"):
-        given = _number(parameters, name, -1.0)
+        given = _number(parameters, name, "m", -1.0)
         found[name] = given if given != -1.0 else presets("GEOMETRY")[name][preset]
     return found
 
 
-def _number(parameters: Mapping[str, Any], name: str, default: float = 0.0) -> float:
-    return float(parameters.get(name, default))
+def _number(parameters: Mapping[str, Any], name: str, unit: str, default: float = 0.0) -> float:
+    return float(quantity(parameters.get(name, default), unit))

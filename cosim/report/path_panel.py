@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import CohapticError
+from cosim.base.quantities.quantity import quantity
 from cosim.plot.style import COLOURS, legend_above, thickness
 from cosim.record.reader import SCENARIO_FILE, Run
 from cosim.report.platform import RecordedPlatform
@@ -29,7 +30,7 @@ def draw_path(axis: Any, run: Run, platform: RecordedPlatform) -> None:
         for pose in platform.poses.values()
     ]
     first = _parameters(run, platform.copies[0])
-    side = float(first.get("side", DEFAULT_SIDE))
+    side = float(quantity(first.get("side", DEFAULT_SIDE), "m"))
     moments = _moments(paths[0], side)
     for index, (copy, path) in enumerate(zip(platform.copies, paths, strict=True)):
         colour = COLOURS[index % len(COLOURS)]
@@ -113,8 +114,10 @@ def _draw_walls(axis: Any, parameters: Mapping[str, Any], centre: NDArray[np.flo
         if not parameters.get(f"wall_{number}.enabled", False):
             continue
         point, normal = (
-            np.array([float(parameters.get(f"wall_{number}.{what}_{c}", 0.0)) for c in "xy"])
-            for what in ("point", "normal")
+            np.array(
+                [float(quantity(parameters.get(f"wall_{number}.{what}_{c}", 0.0), u)) for c in "xy"]
+            )
+            for what, u in (("point", "m"), ("normal", "1"))
         )
         length = float(np.hypot(*normal))
         if length == 0.0:

@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 
 from cosim.analysis.monodromy.idealised import idealised
 from cosim.analysis.monodromy.run_map import RunMap
+from cosim.analysis.parameter import parameter
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 from cosim.base.recording import MemorySink
 from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.variation import with_values
@@ -169,8 +171,7 @@ class WallOfDevice:
             mass = NUDGE * self._period / first
             damping = max(mass * (1.0 - second / first) / self._period, 0.0)
             count = self._count(run, axis)
-        late = self._chosen.device.parameters.get("computation_delay_ticks", 0)
-        assert isinstance(late, int)
+        late = int(parameter(self._chosen.device, "computation_delay_ticks"))
         return RenderedWall(mass, damping, self._period, late, count)
 
     def _nudged(self, run: RunMap, axis: int, sign: float) -> tuple[float, float]:
@@ -209,10 +210,9 @@ class WallOfDevice:
 def _encoder_counts(part: ScenarioComponent) -> int:
     from fmus.shared.mechanism.device import presets
 
-    given = part.parameters.get("encoder_counts", -1)
-    assert isinstance(given, int | float)
+    given = int(parameter(part, "encoder_counts"))
     if given >= 0:
-        return int(given)
+        return given
     haply = part.parameters.get("device", "quanser") in {"haply", 1}
     return int(presets("GEOMETRY")["encoder_counts"][int(haply)])
 
@@ -278,8 +278,10 @@ def _wall_scenario(scenario: Scenario, chosen: ScenarioDevice) -> list[str]:
 
 
 def _start(device: ScenarioComponent) -> list[float]:
-    given: Any = device.parameters.get("initial_tip_position", (0.0425, 0.2))
-    return [float(one) for one in given]
+    given: Any = device.parameters.get("initial_tip_position")
+    if given is None:
+        return [parameter(device, f"initial_tip_position[{axis}]") for axis in (1, 2)]
+    return [float(quantity(one, "m")) for one in given]
 
 
 _KEPT = ("velocity_", "passivity", "finger_1.", "max_force", "moment_cancellation", "hand_mass")

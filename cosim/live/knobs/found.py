@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import cast
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 from cosim.live.hands import CROSSFADE
 from cosim.live.knobs.page_knob import KnobWire, PageKnob, Rounding, places
 from cosim.live.panel import KNOBS
@@ -53,7 +54,7 @@ def _switches(scenario: Scenario) -> Iterator[PageKnob]:
             minimum=0,
             maximum=1,
             step=1,
-            start=float(cast("float", fades[0].parameters.get("position", 0.0))),
+            start=_start(fades[0], "position", "1"),
             wires=tuple(KnobWire(station=p.station, target=f"{p.name}.position") for p in fades),
             choices=_worlds(scenario, fades[0].name),
         )
@@ -144,7 +145,7 @@ def _of_models(scenario: Scenario) -> Iterator[PageKnob]:
         servers, "remote_normal_stiffness", "Coupler of the remote user", (50, 1000, 10)
     )
     worlds = [*copies, *servers]
-    starts = {_start(part, f"compensation.{axis}") for part in worlds for axis in "xy"}
+    starts = {_start(part, f"compensation.{axis}", "N.s/m") for part in worlds for axis in "xy"}
     if len(starts) == 1:
         start = starts.pop()
         yield PageKnob(
@@ -167,7 +168,7 @@ def _parameter(
     parts: list[ScenarioComponent], name: str, label: str, ends: tuple[float, float, float]
 ) -> Iterator[PageKnob]:
     """A knob of parts that agree; where they differ, one knob would change what nobody turned."""
-    starts = {_start(part, name) for part in parts}
+    starts = {_start(part, name, "N/m") for part in parts}
     if len(starts) == 1:
         start = starts.pop()
         yield PageKnob(
@@ -182,5 +183,6 @@ def _parameter(
         )
 
 
-def _start(part: ScenarioComponent, name: str) -> float:
-    return float(cast("float", part.parameters.get(name, DEFAULTS.get(name, 0.0))))
+def _start(part: ScenarioComponent, name: str, unit: str) -> float:
+    given = cast("float | str", part.parameters.get(name, DEFAULTS.get(name, 0.0)))
+    return float(quantity(given, unit))
