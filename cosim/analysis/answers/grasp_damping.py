@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from cosim.analysis.answers.asked import AskedRun
 from cosim.analysis.answers.push import Push, find_push, held_push
+from cosim.analysis.grasp import WORKSTATION
+from cosim.analysis.left_out import SERVER
 from cosim.analysis.monodromy.blocks import dropped
 from cosim.analysis.monodromy.point import Point, find_point
 from cosim.base.errors import InputError
@@ -31,7 +33,7 @@ TIP = "own.finger[0].position"
 """Where a workstation has seen its first finger last: what says how far a grasp has moved."""
 HOLDS_STILL = 1e-6
 """How far a motion of everything may be from neutral, per hyperperiod and as a share of it."""
-COMPENSATED = ("distributed_workstation", "central_server")
+COMPENSATED = (WORKSTATION, SERVER)
 """The models whose box takes a compensation."""
 NULLED = 1e-7
 """Of what is felt without compensation: what may be left (the differences know no more)."""
@@ -79,7 +81,7 @@ def carriers(scenario: Scenario, user: str | None) -> Carriers:
 
 def _first(scenario: Scenario) -> str | None:
     parts = [part for part in scenario.components.values() if part.is_bundled]
-    servers = {part.station for part in parts if part.source == "central_server"}
+    servers = {part.station for part in parts if part.source == SERVER}
     operators = [part for part in parts if part.source == "operator"]
     remote = [part.name for part in operators if servers and part.station not in servers]
     return remote[0] if remote else None
@@ -206,7 +208,7 @@ def null_grasp_damping(asked: AskedRun, user: str | None) -> GraspDamping:
             with find_point(asked.written.changed(sets), asked.at, start) as there:
                 return np.diag(carried(there, hands).damping)
 
-        value = _nulled(damping, _copies(asked.scenario))
+        value = _nulled(damping, len(_boxes(asked.scenario)))
     held = asked.point(compensation_sets(asked.scenario, value)).spectrum()
     return GraspDamping(
         hands.operators,
@@ -241,10 +243,6 @@ def _boxes(scenario: Scenario) -> list[str]:
     ]
 
 
-def _copies(scenario: Scenario) -> int:
-    return len(_boxes(scenario))
-
-
 def _nulled(damping: Callable[[Real], Real], copies: int) -> Real:
     """Both axes at once by secants: one hardly feels the other's compensation.
 
@@ -254,7 +252,7 @@ def _nulled(damping: Callable[[Real], Real], copies: int) -> Real:
     before = np.zeros(len(AXES))
     felt_before = damping(before)
     enough = NULLED * np.maximum(np.abs(felt_before), 1e-3)
-    now = before - felt_before / max(copies, 1)
+    now = before - felt_before / copies
     for _ in range(STEPS):
         felt = damping(now)
         done = np.abs(felt) <= enough

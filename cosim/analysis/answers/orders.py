@@ -28,7 +28,7 @@ from cosim.theory.models.timing import LONGEST_DELAY
 from cosim.theory.numerics import spectral_radius
 from cosim.theory.robust.automaton import Automaton, Edge
 from cosim.theory.robust.joint_radius import JointRadius, joint_radius
-from cosim.theory.robust.network import MOST_MAPS
+from cosim.theory.robust.network import refuse_many
 
 Real = NDArray[np.float64]
 
@@ -181,7 +181,7 @@ def switching_run(
         packets = [link_delays(point.run.simulation.scenario, link) for link in links]
         aged = reads_ages(point.run.simulation)
         chain = chain_of(packets, "independent", aged=aged)
-        _refuse_many(len(chain.steps))
+        refuse_many(len(chain.steps))
         return _orders(point, links, packets, fate_maps(point, chain), chain)
     except BaseException:
         point.close()
@@ -252,7 +252,7 @@ def bursts_run(asked: AskedRun, longest: int, losses: Losses) -> RunOrders:
                 asked.scenario.locate(("channels", link.rsplit(".", 1)[0])),
             )
     chains = 1 if losses == "together" else len(links)
-    _refuse_many((2 * (longest + 1)) ** chains)
+    refuse_many((2 * (longest + 1)) ** chains)
     maps = with_losses(point, losses).maps
     states = list(itertools.product(range(longest + 1), repeat=chains))
     ticks = tuple(tuple(link_delays(asked.scenario, link).ticks) for link in links)
@@ -269,11 +269,3 @@ def _bounded(maps: FateMaps, states: list[tuple[int, ...]], longest: int) -> tup
             if max(after) <= longest:
                 edges.append(Edge(number[state], number[after], place))
     return tuple(edges)
-
-
-def _refuse_many(count: int) -> None:
-    if count > MOST_MAPS:
-        raise InputError(
-            f"These combinations are {count} matrix inequalities; up to {MOST_MAPS} are solved "
-            "for. Take fewer delays, shorter bursts or fewer users, or losses together."
-        )

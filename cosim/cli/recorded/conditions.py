@@ -7,13 +7,17 @@ import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import QuantityError, exact, quantity, split_quantity
 from cosim.base.quantities.units import UnitError, parse_unit
 from cosim.base.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from cosim.base.document.node import Node
 
 COMPARISONS = {
     ">=": operator.ge,
@@ -123,15 +127,23 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
+@cache
+def _read(file: Path, written: int) -> Node:
+    """A scenario, once for all conditions; ``written`` is when (ns)."""
+    from cosim.base.document.yaml_reader import parse_yaml
+
+    del written
+    return parse_yaml(file.read_text(encoding="utf-8"), str(file))
+
+
 def _written(folder: Path, name: str) -> Any:
     """What stands at a place in the resolved scenario; ``None`` where nothing does."""
-    from cosim.base.document.yaml_reader import parse_yaml
     from cosim.record.reader import SCENARIO_FILE
 
     file = folder / SCENARIO_FILE
     if not file.is_file():
         return None
-    root = parse_yaml(file.read_text(encoding="utf-8"), str(file))
+    root = _read(file, file.stat().st_mtime_ns)
     first, _, rest = name.partition(".")
     for path in (
         name.split("."),

@@ -56,7 +56,7 @@ def switching_delays(
         tuple(sorted(set(forward if link.source < link.target else backward)))
         for link in assembly.links
     ]
-    _refuse_many(int(np.prod([len(ages) for ages in sets])))
+    refuse_many(int(np.prod([len(ages) for ages in sets])))
     outcomes = tuple(itertools.product(*sets))
     count = len(outcomes)
     pattern = Pattern(
@@ -74,7 +74,7 @@ def switching_delays(
         for after, new in enumerate(outcomes)
         if all(age <= last + 1 for age, last in zip(new, old, strict=True))
     ]
-    _refuse_many(len(edges))
+    refuse_many(len(edges))
     return Automaton(maps, tuple(edges), count), outcomes
 
 
@@ -99,7 +99,7 @@ def bounded_bursts(
     assembly = _linked(model, timing)
     processes: list[LinkProcess] = [bernoulli(0.5, link.delay) for link in assembly.links]
     chains = 1 if losses == "together" else len(processes)
-    _refuse_many((2 * (longest + 1)) ** chains)
+    refuse_many((2 * (longest + 1)) ** chains)
     pattern = join(processes, losses)
     maps = jump_system(assembly, pattern, grounded=model.grounded).maps
     states = list(itertools.product(range(longest + 1), repeat=chains))
@@ -121,7 +121,12 @@ def _linked(model: Model, timing: Timing) -> FrameAssembly:
     return assembly
 
 
-def _refuse_many(count: int) -> None:
+def refuse_many(count: int) -> None:
+    """Whether so many matrix inequalities are solved for.
+
+    Raises:
+        InputError: they are too many.
+    """
     if count > MOST_MAPS:
         raise InputError(
             f"These combinations are {count} matrix inequalities; up to {MOST_MAPS} are solved "
