@@ -1,10 +1,11 @@
-"""One signal of a minute's record, opened by its name, takes five milliseconds at most."""
+"""One signal of a minute's record, by its name, costs little more than its row by its path."""
 
 from __future__ import annotations
 
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from cosim.master.run.simulation import assemble
@@ -13,9 +14,12 @@ from cosim.record.layout import lay_out, rows_in, write_cells
 from cosim.record.manifest import describe, write_manifest
 from cosim.record.reader import RUN_FILE, open_run
 
-MOST = 5e-3
-"""Of processor time (s), the least of ``TRIES``; to read every name took ten times as long."""
-TRIES = 15
+MOST = 9.0
+"""Times the row by its path, each the least of ``TRIES`` in turn; every name takes 60 times that.
+
+A ratio: both are slow in the same minute. 2.4 ms to 0.43 ms (5.6) where this was written.
+"""
+TRIES = 25
 SIGNAL = "vr_a.box_pose.y"
 
 
@@ -33,14 +37,22 @@ def minute(folder: Path) -> int:
     return sum(len(group.columns) for group in groups)
 
 
-def test_one_signal_of_a_minute_takes_five_milliseconds(tmp_path: Path) -> None:
+def by_name(folder: Path) -> int:
+    with open_run(folder) as run:
+        return run[SIGNAL].values.size
+
+
+def by_path(folder: Path) -> int:
+    with h5py.File(folder / RUN_FILE) as file:
+        return file["control/float64"][5, :].size
+
+
+def test_one_signal_of_a_minute_is_read_alone(tmp_path: Path) -> None:
     assert minute(tmp_path) > 380
-    least = np.inf
-    for _ in range(TRIES):
+    least = {by_name: np.inf, by_path: np.inf}
+    for read in (by_name, by_path) * TRIES:
         began = time.process_time()
-        with open_run(tmp_path) as run:
-            values = run[SIGNAL].values
-        least = min(least, time.process_time() - began)
-        assert values.shape == (61_440,)
-    print(f"{1e3 * least:.2f} ms")
-    assert least <= MOST
+        assert read(tmp_path) == 61_440
+        least[read] = min(least[read], time.process_time() - began)
+    print(f"{1e3 * least[by_name]:.2f} ms by its name, {1e3 * least[by_path]:.2f} by its path")
+    assert least[by_name] <= MOST * least[by_path]
