@@ -118,13 +118,14 @@ class Simulation:
         ``drive`` runs the program in place of the loop (``cosim.realtime``) and tells nobody how
         far it is; the numbers are the same. ``pauses`` are called between two ticks, before
         anything of the tick is done by which they are kept; not with ``drive``.
-        Every component is closed at the end; with ``keep_fmus`` the FMUs only by ``close``, so
-        that one which dies of it finds the record finished. With ``mark_at_end`` nothing is closed,
-        and later runs begin where this one ended (``branch``).
+        Every component is closed at the end; with ``keep_fmus`` the FMUs only by ``close`` or
+        ``finish``, so that one which dies of it finds the record finished. With ``mark_at_end``
+        nothing is closed, and later runs begin where this one ended (``branch``).
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
-            RunError: an FMU returned an error status, put out NaN, or a component failed.
+            RunError: an FMU returned an error status, put out NaN, or a component failed; or an FMU
+                failed when it was closed.
         """
         end = self.scenario.ticks if until is None else until
         interrupted, ended_by = False, ""
@@ -158,7 +159,18 @@ class Simulation:
                 self._cycle.close_components()
                 if not keep_fmus:
                     self.close()
+        if not keep_fmus and self.closing_error:
+            raise RunError(self.closing_error)
         return self.outcome
+
+    def finish(self) -> str:
+        """Terminate and free the FMUs that are not ours, after a run with ``keep_fmus``.
+
+        Another run has them anew in any case; what they fail in belongs to the one that is over.
+        The sentence of one that failed or whose process ended, or nothing. Runs that ``branch``
+        share their FMUs, so that nothing is done between them.
+        """
+        return "" if self._branching.has_begun else self._cycle.fmus.finish()
 
     def branch(self, assembly: Assembly) -> None:
         """Make ready for a run that begins where the one with ``mark_at_end`` ended.
@@ -179,11 +191,13 @@ class Simulation:
 
         Raises:
             InputError: it is of another plan.
-            RunError: an FMU was lost for good.
+            RunError: an FMU was lost for good, or failed when it was closed (see ``finish``).
         """
         self._cycle.fmus.refuse_lost()
         if assembly.plan is not self.assembly.plan or assembly.layout is not self.assembly.layout:
             raise InputError("A simulation can only be renewed with an assembly of the same plan.")
+        if sentence := self.finish():
+            raise RunError(sentence)
         self._restored = None
         self._cycle.rewind(assembly)
 

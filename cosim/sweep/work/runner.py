@@ -33,7 +33,7 @@ class PointRunner:
         every = self._job.check_every
         try:
             scenario = self._variants.scenario(task.point)
-            result = self._warm_for(scenario).run(task)
+            result = self._run(self._warm_for(scenario), task)
             if every and self._done % every == 1 % every and result.status in {"good", "failed"}:
                 return self._checked(task, result)
         except CohapticError as error:
@@ -56,6 +56,14 @@ class PointRunner:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _run(self, warm: Warm, task: Task) -> RunResult:
+        try:
+            return warm.run(task)
+        finally:
+            if warm.is_lost:
+                self._warm.remove(warm)
+                self._let_go(warm)
 
     def _warm_for(self, scenario: Scenario) -> Warm:
         for warm in self._warm:

@@ -76,6 +76,11 @@ class Warm:
             raise
 
     @property
+    def is_lost(self) -> bool:
+        """Whether an FMU met its end for good: nothing more can be run here."""
+        return any(fmu.is_lost for fmu in self._simulation.fmus.values())
+
+    @property
     def assembly(self) -> Assembly:
         """What all the scenarios share."""
         return self._base
@@ -104,7 +109,12 @@ class Warm:
             self._simulation.renew(assembly)
         self._begun = True
         self._last = sink
-        outcome = self._simulation.run(sink, keep_fmus=True)
+        try:
+            outcome = self._simulation.run(sink, keep_fmus=True)
+        finally:
+            late = self._simulation.finish()
+        if late:
+            raise RunError(late)
         if outcome.interrupted:
             raise RunError("Interrupted.")
         judged = judge(self._run_of(sink, outcome.ticks), expectations, extremes_of(sink))

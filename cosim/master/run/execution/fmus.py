@@ -111,8 +111,15 @@ class RunningFmus:
     def close(self) -> None:
         """Free every FMU; may be called more than once."""
         self._restart = None
-        with self._whereabouts.aside():
-            self._let_go(list(self.all))
+        self.closing_error = self._let_go(list(self.all)) or self.closing_error
+
+    def finish(self) -> str:
+        """Terminate and free those that are not ours: another run has them anew.
+
+        All that share a library are gone before it is loaded again. The first sentence about one
+        that is not well, or nothing.
+        """
+        return self._let_go([name for name, fmu in self.all.items() if not fmu.is_trusted])
 
     @property
     def guarded(self) -> AbstractContextManager[None]:
@@ -182,8 +189,12 @@ class RunningFmus:
         self._restart = None
         return False
 
-    def _let_go(self, names: Iterable[str]) -> None:
-        """Free these; ``closing_error`` has the first sentence about one that is not well."""
+    def _let_go(self, names: Iterable[str]) -> str:
+        """Free these; the first sentence about one that is not well, or nothing."""
+        with self._whereabouts.aside():
+            return next(iter([said for said in self._let_each_go(names) if said]), "")
+
+    def _let_each_go(self, names: Iterable[str]) -> Generator[str]:
         here = [fmu for fmu in self.all.values() if not fmu.is_isolated]
         lost = {fmu.library for fmu in here if fmu.is_lost}
         for name in names:
@@ -194,11 +205,11 @@ class RunningFmus:
                 with self.guarding(fmu):
                     status = fmu.close(failed=failed)
             except RunError as error:
-                self.closing_error = self.closing_error or str(error)
+                yield str(error)
                 continue
             if status not in {OK, WARNING}:
                 when = self._whereabouts.when(self.assembly.scenario)
-                self.closing_error = self.closing_error or (
+                yield (
                     f"{name} returned status '{status_word(status)}' from "
                     f"fmi{fmu.version}Terminate {when}{fmu.reason()}"
                 )
@@ -206,10 +217,8 @@ class RunningFmus:
                 lost.add(fmu.library)
 
     def _create(self, told: Told) -> None:
-        # All that share a library, before it is loaded anew.
-        self._let_go([name for name, fmu in self.all.items() if not fmu.is_trusted])
-        if self.closing_error:
-            sentence, self.closing_error = self.closing_error, ""
+        self.closing_error = ""
+        if sentence := self.finish():
             raise RunError(sentence)
         scenario = self.assembly.scenario
         for name, participant in self.assembly.participants.items():
