@@ -34,6 +34,12 @@ class Written:
             root = apply_override(root, override)
         return Written(self.file, root, self.forms)
 
+    def with_value(self, keys: Sequence[str], written: str, given: str) -> Written:
+        """The same with a value (YAML) at ``keys``, as the override ``given`` said it."""
+        from cosim.scenario.source.override import put
+
+        return Written(self.file, put(self.root, keys, written, given), self.forms)
+
     def built(self) -> Scenario:
         """The checked scenario.
 

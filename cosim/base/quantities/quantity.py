@@ -63,6 +63,12 @@ def exact(number: float) -> Fraction:
     return Fraction(repr(number))
 
 
+def simple(exact: Fraction) -> Fraction:
+    """0.3333333333 was written for 1/3; an exact value stays what it is."""
+    near = exact.limit_denominator(1_000_000)
+    return near if abs(near - exact) <= abs(exact) * Fraction(1, 10**9) else exact
+
+
 def quantity(
     value: float | str,
     unit: str | Unit,

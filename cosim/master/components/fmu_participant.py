@@ -127,7 +127,13 @@ def fmu_values(
     resolved: Values = {}
     for name, value in values.items():
         with problems.at(("components", written.name, section, name)):
-            resolved |= resolve_values(
+            found = resolve_values(
                 written.name, description.variables, name, value, allowed, units=description.units
             )
+            if own := found.keys() & set(description.calculated):
+                raise InputError(
+                    f"{written.name}.{min(own)} has no start: the FMU calculates its first value "
+                    "(initial)"
+                )
+            resolved |= found
     return resolved

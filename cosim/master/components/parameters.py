@@ -97,8 +97,8 @@ def element_start(variable: Variable) -> list[Any]:
 def _check_causality(component: str, variable: Variable, allowed: frozenset[Causality]) -> None:
     if variable.causality not in allowed:
         raise InputError(
-            f"{component}.{variable.name} is of causality '{variable.causality}', not a "
-            f"{_kind(allowed)}"
+            f"{component}.{variable.name} is of causality '{variable.causality}', not "
+            f"{'a' if Causality.PARAMETER in allowed else 'an'} {_kind(allowed)}"
             + (
                 "; give an input's first value under 'start'"
                 if variable.causality is Causality.INPUT
@@ -128,10 +128,26 @@ def _elements(
             f"{component}.{variable.name} has {size_of(variable)} elements; give a list of "
             f"{size_of(variable)} values"
         )
+    if _shape(value) not in {(len(values),), variable.shape}:
+        size = " × ".join(map(str, variable.shape))
+        raise InputError(
+            f"{component}.{variable.name} is {size}; give a list of its {len(values)} values, or "
+            "lists in a list that have its shape"
+        )
     return [
         _convert(component, variable, name, item, units)
         for (name, _), item in zip(variable_elements(variable), values, strict=True)
     ]
+
+
+def _shape(value: Any) -> tuple[int, ...] | None:
+    """Of lists in lists; ``None`` where they are of different lengths."""
+    if not isinstance(value, (list, tuple)):
+        return ()
+    inner = {_shape(item) for item in value}  # pyright: ignore[reportUnknownVariableType]
+    if len(inner) != 1 or None in inner:
+        return None
+    return (len(value), *(inner.pop() or ()))  # pyright: ignore[reportUnknownArgumentType]
 
 
 def _flat(value: Any) -> list[Any]:

@@ -15,7 +15,7 @@ from collections.abc import Generator, Mapping
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, cast
 
 from cosim.base.errors import InputError
 
@@ -25,6 +25,10 @@ FOLDER, NOTE = "fmu", "files.json"
 """An FMU, and what it was unpacked to: as text, which every version of Python reads."""
 MAX_UNPACKED = 2 << 30
 """Largest archive that is unpacked (bytes)."""
+_DEEPEST = 100
+"""Folders in each other, of an entry."""
+_ENCRYPTED = 1
+"""A bit of an entry's flags."""
 
 
 def sha256_of(path: Path) -> str:
@@ -49,7 +53,7 @@ def _digest_of(folder: Path) -> str:
     digest = hashlib.sha256()
     for file in sorted(at for at in folder.rglob("*") if at.is_file()):
         name = file.relative_to(folder).as_posix()
-        digest.update(f"{name}\0{sha256_of(file)}\0".encode())
+        digest.update(os.fsencode(name) + f"\0{sha256_of(file)}\0".encode())
     return digest.hexdigest()
 
 
@@ -89,12 +93,24 @@ def _fill(home: Path, path: Path) -> None:
         _keep(scratch / NOTE, _state_of(scratch / FOLDER))
         _move(scratch, home)
     except (OSError, shutil.Error) as error:
-        reason = error.strerror or error
         raise InputError(
-            f"the FMU {path} could not be unpacked into {home.parent}: {reason}"
+            f"the FMU {path} could not be unpacked into {home.parent}: {_why(error)}"
         ) from None
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _why(error: OSError) -> str:
+    """What stood in the way; copying a folder goes on behind the first and tells them all."""
+    if isinstance(error, shutil.Error) and error.args and isinstance(error.args[0], list):
+        (place, _, said), *others = cast("list[tuple[str, str, str]]", error.args[0])
+        more = f" (and {len(others)} more)" if others else ""
+        return f"{_brief(place)}: {_brief(said)}{more}"
+    return error.strerror or str(error)
+
+
+def _brief(text: str) -> str:
+    return text if len(text) <= 200 else f"{text[:100]} … {text[-80:]}"
 
 
 def _keep(note: Path, state: Mapping[str, list[int]]) -> None:
@@ -151,6 +167,7 @@ def _open(path: Path) -> zipfile.ZipFile:
 
 def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
     total = 0
+    met: dict[str, int] = {}
     for entry in archive.infolist():
         total += entry.file_size
         # Some tools of Windows write backslashes, which are part of a name elsewhere.
@@ -160,6 +177,18 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
             raise InputError(
                 f"the FMU {path} has an entry '{entry.filename}' that would be written outside its "
                 "folder; it is refused"
+            )
+        if entry.flag_bits & _ENCRYPTED:
+            raise InputError(f"the FMU {path} is encrypted ('{name}'); unpack it with its password")
+        if len(place.parts) > _DEEPEST:
+            raise InputError(
+                f"the FMU {path} has an entry {len(place.parts)} folders deep ('{_brief(name)}'); "
+                "it is refused"
+            )
+        if met.setdefault(name, entry.CRC) != entry.CRC:
+            raise InputError(
+                f"the FMU {path} has two different entries '{name}'; it is refused, since nobody "
+                "can say which one counts"
             )
         if stat.S_ISLNK(entry.external_attr >> 16):
             raise InputError(f"the FMU {path} has a link '{entry.filename}'; it is refused")

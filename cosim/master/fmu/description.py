@@ -52,6 +52,8 @@ class FmuDescription:
     """When its default experiment begins (s)."""
     stop_time: Fraction | None
     """When its default experiment ends (s)."""
+    calculated: tuple[str, ...]
+    """Outputs and local variables whose first value the FMU computes (``initial``)."""
     once_per_process: bool
     breaks: tuple[str, ...]
     """Rules of the standard that the description breaks, and with which it can be used."""

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from cosim.base import component, meaning
-from cosim.base.quantities import units
+from cosim.base.quantities import quantity, units
 from cosim.base.system.store import keep, recall
 from cosim.master.components import clocks
 from cosim.master.fmu import description, meanings, plain_description, rules
@@ -56,7 +56,7 @@ def _read(
 def _readers() -> tuple[object, ...]:
     """What a kept description depends on besides the FMU: the code that made it."""
     parsers = (parse, variables, model_structure, description, plain_description)
-    modules = (*parsers, rules, meanings, clocks, component, meaning, units)
+    modules = (*parsers, rules, meanings, clocks, component, meaning, quantity, units)
     own = [Path(str(module.__file__)) for module in modules]
     state = hashlib.sha256()
     for source in own:

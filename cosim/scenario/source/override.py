@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 from cosim.base.document.node import Node, PathKey
@@ -26,12 +26,26 @@ def apply_override(root: Node, text: str) -> Node:
     path, equals, written = text.partition("=")
     if not equals or not path.strip():
         raise InputError("write --set path.to.key=value.", place)
-    if not written.strip():
-        raise InputError("there is no value behind '='; '~' removes.", place)
-    value = parse_yaml(written, place.file, has_lines=False)
+    value = _value(written, place)
     keys = _keys(root, path.strip(), value, place)
     _refuse_anchors(root, keys, written.strip(), place)
     return _assign(root, keys, expand(value, tuple(keys), Path.cwd()), ())
+
+
+def put(root: Node, keys: Sequence[str], written: str, given: str) -> Node:
+    """``root`` with the value ``written`` (YAML) at ``keys``; ``given`` is the whole override.
+
+    Raises:
+        InputError: the value is not YAML.
+    """
+    value = _value(written, Location(f"--set {given}", 0, 0))
+    return _assign(root, list(keys), expand(value, tuple(keys), Path.cwd()), ())
+
+
+def _value(written: str, place: Location) -> Node:
+    if not written.strip():
+        raise InputError("there is no value behind '='; '~' removes.", place)
+    return parse_yaml(written, place.file, has_lines=False)
 
 
 def _refuse_anchors(root: Node, keys: list[PathKey], written: str, place: Location) -> None:

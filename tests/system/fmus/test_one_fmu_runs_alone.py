@@ -111,6 +111,84 @@ def test_it_begins_where_the_default_experiment_says(
         assert run["foreign.begun"].values[1] == pytest.approx(times[0])
 
 
+@pytest.mark.parametrize(
+    ("times", "end"),
+    [
+        (("1", "0.25"), 1.0),
+        (("0.3333333333333333", None), 1 / 3),  # written for a third
+        (("1", "0.0033333333333333335"), 1.0),
+        (("1", "0.3"), 1.2),
+    ],
+)
+def test_times_are_what_was_meant(here: Path, times: tuple[str, str | None], end: float) -> None:
+    """Beyond the end is run only where no whole number of steps fits, and then that is said."""
+    fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0"))
+    stop, step = times
+    more = () if step is None else ("--step-size", step)
+    done = run_alone(here, fmu, "--stop-time", stop, *more)
+    assert done.exit_code == 0, done.output
+    with open_run(here / "out") as run:
+        assert run.span == pytest.approx((0.0, end))
+    assert ("no whole number of steps" in done.output) == (end > 1)
+
+
+def test_a_step_longer_than_the_run_is_refused(here: Path) -> None:
+    fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0"))
+    done = run_alone(here, fmu, "--stop-time", "1", "--step-size", "2")
+    assert (done.exit_code, "longer than the 1 s that" in done.output) == (2, True)
+
+
+NAMES = ("a b", "p[Color.red]", "größe", "a..b", "a=b", "a:b", "true", "-a", "{q}", "duration")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_variable_is_set_by_whatever_name_it_has(here: Path, name: str) -> None:
+    values = "".join(
+        scalar(3, each, 1 + i, causality="parameter", variability="fixed", start="0")
+        + scalar(3, f"out {each}", 1 + i, causality="output", start="0", initial="exact")
+        for i, each in enumerate(NAMES)
+    )
+    structure = "".join(f'<Output valueReference="{1 + i}"/>' for i in range(len(NAMES)))
+    fmu = foreign_fmu(here, 3, values, structure=structure)
+    done = run_alone(here, fmu, "--stop-time", "1", "--set", f"{name} = 7")
+    assert done.exit_code == 0, done.output
+    with open_run(here / "out") as run:
+        found = {each: run[f"foreign.out {each}"].values[-1] for each in NAMES}
+    assert found == dict.fromkeys(NAMES, 0) | {name: 7}
+
+
+@pytest.mark.parametrize("name", ["ü.fmu", "Über alles (1).fmu", "7.fmu", "a-b.FMU"])
+def test_an_fmu_runs_whatever_its_file_is_called(here: Path, name: str) -> None:
+    fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0")).rename(name)
+    done = run_alone(here, fmu, "--stop-time", "1")
+    assert done.exit_code == 0, done.output
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("lenght=3", "has no variable 'lenght'. Did you mean length?"),
+        ("duratoin=3", "has no variable 'duratoin'. Did you mean duration?"),
+        ("x[2]=3", "x is an array (3); give the whole of it"),
+        ("length=3 s", "--set length=3 s: foreign.length is a number: '3 s' is in s, which does"),
+    ],
+)
+def test_an_override_that_leads_nowhere_names_the_nearest(
+    here: Path, given: str, said: str
+) -> None:
+    values = scalar(3, "length", 1, causality="parameter", variability="fixed", start="0")
+    values += scalar(
+        3,
+        *("x", 2, "Float64", '<Dimension start="3"/>'),
+        causality="parameter",
+        variability="fixed",
+        start="1 2 3",
+    )
+    fmu = foreign_fmu(here, 3, values)
+    done = run_alone(here, fmu, "--stop-time", "1", "--set", given)
+    assert (done.exit_code, said in done.output) == (2, True), done.output
+
+
 def test_what_is_missing_or_for_scenarios_is_said(here: Path) -> None:
     fmu = foreign_fmu(here, 3, scalar(3, "u", 1, causality="input", start="0"))
     done = run_alone(here, fmu)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import unicodedata
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import ceil, gcd, lcm
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cosim.base.component import Causality
 from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from cosim.master.fmu.description import FmuDescription
@@ -30,13 +31,19 @@ def is_fmu(given: str | None) -> bool:
 
 
 def scenario_of_fmu(
-    given: str, *, stop_time: str | None, step_size: str | None, sets: Sequence[str]
+    given: str,
+    *,
+    stop_time: str | None,
+    step_size: str | None,
+    sets: Sequence[str],
+    say: Callable[[str], None] = lambda _: None,
 ) -> Scenario:
     """A scenario with the FMU as its only component.
 
     Its default experiment says when it starts, and when it stops and in which steps where that is
     not given. A name in
-    ``sets`` that is one of the FMU's variables is a parameter or a start value of it.
+    ``sets`` that is one of the FMU's variables is a parameter or a start value of it. ``say`` is
+    told where the run ends a part of a step later.
 
     Raises:
         InputError: it cannot be read, nobody says how long to run, or an override leads nowhere.
@@ -60,7 +67,17 @@ def scenario_of_fmu(
     step = seconds(step_size, "--step-size") if step_size is not None else description.step_size
     if step is None:
         step = _step(start, duration)
-    name = re.sub(r"\W", "_", path.stem).lstrip("_0123456789") or "model"
+    if step > duration:
+        raise InputError(
+            f"a step of {float(step):g} s is longer than the {float(duration):g} s that the FMU "
+            f"{path} is to run; give a shorter --step-size"
+        )
+    if rest := duration % step:
+        say(
+            f"note: {float(duration):g} s are no whole number of steps of {float(step):g} s; the "
+            f"run ends at {float(start + duration - rest + step):g} s"
+        )
+    name = _name(path.stem)
     document = {
         "cohaptic": 1,
         "name": name,
@@ -70,8 +87,17 @@ def scenario_of_fmu(
         "components": {name: {"fmu": str(path), "rate": str(1 / step), "feedthrough": True}},
     }
     root = parse_yaml(write_yaml(document), str(path), has_lines=False)
-    changed = [_placed(text, name, description) for text in sets]
-    return Written(path, root, FORMS).changed(changed).built()
+    written = Written(path, root, FORMS)
+    for text in sets:
+        keys, value = _placed(text, name, description)
+        written = written.with_value(keys, value, text) if keys else written.changed((text,))
+    return written.built()
+
+
+def _name(stem: str) -> str:
+    """A component's name, of what a file's name has of letters and digits."""
+    plain = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode()
+    return re.sub(r"\W", "_", plain).lstrip("_0123456789") or "model"
 
 
 def _step(start: Fraction, duration: Fraction) -> Fraction:
@@ -97,10 +123,10 @@ def seconds(text: str, option: str) -> Fraction:
     Raises:
         InputError: it is none.
     """
-    from cosim.base.quantities.quantity import QuantityError, quantity
+    from cosim.base.quantities.quantity import QuantityError, quantity, simple
 
     try:
-        found = quantity(text, "s")
+        found = simple(quantity(text, "s"))
     except QuantityError as error:
         raise InputError(f"{option}: {error}") from None
     if found <= 0:
@@ -108,15 +134,50 @@ def seconds(text: str, option: str) -> Fraction:
     return found
 
 
-def _placed(text: str, name: str, description: FmuDescription) -> str:
-    """The same override with the variable's place in the scenario."""
-    written = text.partition("=")[0].strip()
+def _placed(text: str, name: str, description: FmuDescription) -> tuple[tuple[str, ...], str]:
+    """Where in the scenario the variable stands that an override is for, and the value.
+
+    Nowhere where it is for none. A variable's name may have anything in it, also ``=``.
+
+    Raises:
+        InputError: it is for no key of a scenario either.
+    """
+    from cosim.master.components.parameters import SETTABLE
+
     variables = {**description.variables, **{each.name: each for each in description.at_events}}
-    variable = variables.get(written) or next(
-        (v for key, v in variables.items() if key.startswith(f"{written}[")), None
-    )
-    if variable is None:
-        return text
-    settable = {Causality.PARAMETER, Causality.STRUCTURAL_PARAMETER}
-    section = "parameters" if variable.causality in settable else "start"
-    return f"components.{name}.{section}.{text}"
+    parts = text.split("=")
+    for used in range(len(parts) - 1, 0, -1):
+        written = "=".join(parts[:used]).strip()
+        variable = variables.get(written) or next(
+            (v for key, v in variables.items() if key.startswith(f"{written}[")), None
+        )
+        if variable is not None:
+            section = "parameters" if variable.causality in SETTABLE else "start"
+            return ("components", name, section, written), "=".join(parts[used:])
+    written = parts[0].strip()
+    array = variables.get(written.partition("[")[0]) if written.endswith("]") else None
+    if array is not None and array.shape:
+        size = " × ".join(map(str, array.shape))
+        raise InputError(
+            f"--set {text}: {array.name} is an array ({size}); give the whole of it, such as "
+            f"--set {array.name}=[…]"
+        )
+    _check_key(text, written, name, variables)
+    return (), text
+
+
+def _check_key(text: str, written: str, name: str, variables: Iterable[str]) -> None:
+    """Refuse what is neither one of the FMU's variables nor a key of a scenario.
+
+    Raises:
+        InputError: with the nearest of both.
+    """
+    from cosim.scenario.form.document import Document
+
+    known = {"include", *Document.model_fields}
+    first = written.partition(".")[0]
+    if written and first not in known and not first.startswith("x-"):
+        raise InputError(
+            f"--set {text}: the FMU {name} has no variable '{written}'."
+            f"{did_you_mean(written, [*variables, *known], listed=0)}"
+        )

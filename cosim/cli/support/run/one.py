@@ -81,7 +81,9 @@ def read_one(written: str | None, options: RunOptions, say: Callable[[str], None
     if options.duration is not None:
         sets = (*sets, f"duration={options.duration}")
     scenario = (
-        scenario_of_fmu(found, stop_time=options.stop_time, step_size=options.step_size, sets=sets)
+        scenario_of_fmu(
+            found, stop_time=options.stop_time, step_size=options.step_size, sets=sets, say=say
+        )
         if alone
         else scenario_of_system(found, stop_time=options.stop_time, sets=sets, say=say)
         if system

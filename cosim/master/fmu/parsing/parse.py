@@ -11,7 +11,7 @@ from typing import Any
 
 from cosim.base.component import Variable
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import exact
+from cosim.base.quantities.quantity import exact, simple
 from cosim.base.quantities.units import BASES, Unit, unit_of
 from cosim.master.components.clocks import read_clocks
 from cosim.master.fmu.description import FmuDescription
@@ -26,6 +26,8 @@ from cosim.master.fmu.parsing.model_structure import (
 from cosim.master.fmu.parsing.variables import Shapes, relative_quantities, text_starts, variable_of
 from cosim.master.fmu.rules import judge
 
+DESCRIPTION = "modelDescription.xml"
+
 
 def parse_description(
     path: Path, folder: Path, digest: str, structure: tuple[tuple[str, int], ...]
@@ -39,20 +41,16 @@ def parse_description(
     """
     description, breaks = _parse(path, folder)
     version = description.fmiMajorVersion
-    if version not in {2, 3}:
-        raise InputError(
-            f"{path} is an FMU of FMI {description.fmiVersion}; export it again as FMI 2.0 or 3.0"
-        )
     interface = description.coSimulation
     if interface is None:
         raise InputError(f"{path} offers no co-simulation; {_offered(description)}")
     experiment = description.defaultExperiment
     by_reference = {v.valueReference: v.name for v in description.modelVariables}
     shapes = Shapes(dict(structure), by_reference)
-    meant = read_meanings(path, folder / "modelDescription.xml")
-    relative = relative_quantities(folder / "modelDescription.xml")
+    meant = read_meanings(path, folder / DESCRIPTION)
+    relative = relative_quantities(folder / DESCRIPTION)
     variables: dict[str, Variable] = {}
-    texts = text_starts(folder / "modelDescription.xml", version)
+    texts = text_starts(folder / DESCRIPTION, version)
     clocked = {
         v.name: tuple(of.name for of in v.clocks)
         for v in description.modelVariables
@@ -108,11 +106,16 @@ def parse_description(
         or _time(interface.fixedInternalStepSize),
         start_time=_instant(experiment.startTime if experiment else None),
         stop_time=_time(experiment.stopTime if experiment else None),
+        calculated=tuple(
+            v.name
+            for v in description.modelVariables
+            if v.initial == "calculated" and v.causality in {"output", "local"}
+        ),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         breaks=breaks,
         skipped=skipped,
         has_event_mode=version == 3 and bool(interface.hasEventMode),
-        clocks=read_clocks(ET.parse(folder / "modelDescription.xml").getroot()) if skipped else [],
+        clocks=read_clocks(ET.parse(folder / DESCRIPTION).getroot()) if skipped else [],
         at_events=tuple(each for each in at_events if not each.type.is_text),
         clocked=clocked,
         at_start=tuple(u.variable.name for u in description.initialUnknowns),
@@ -140,11 +143,12 @@ def _offered(description: Any) -> str:
 def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
     """FMPy's description, and the rules that it breaks: many tools break some."""
     fmpy: Any = importlib.import_module("fmpy.model_description")
-    file = folder / "modelDescription.xml"
+    file = folder / DESCRIPTION
     if file.is_dir():
         raise InputError(f"modelDescription.xml of {path} is a folder, so it is not an FMU")
     if not file.is_file():
         raise InputError(f"{path} has no modelDescription.xml at its top, so it is not an FMU")
+    _check_version(path, file)
     try:
         try:
             return fmpy.read_model_description(str(folder)), ()
@@ -155,6 +159,27 @@ def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
         said = _reason(error)
         raise InputError(f"the modelDescription.xml of {path} cannot be read: {said}") from None
     return found, breaks
+
+
+def _check_version(path: Path, file: Path) -> None:
+    """Before a reader of two versions stumbles over another one.
+
+    Raises:
+        InputError: it is no description of FMI 2 or 3.
+    """
+    try:
+        root = next(ET.iterparse(file, events=("start",)))[1]
+    except (ET.ParseError, LookupError, ValueError):
+        return  # the reader says where
+    if root.tag != "fmiModelDescription":
+        raise InputError(
+            f"the modelDescription.xml of {path} begins with <{root.tag}>, so it is not an FMU's"
+        )
+    said = root.get("fmiVersion")
+    if said is None:
+        raise InputError(f"the modelDescription.xml of {path} does not say its fmiVersion")
+    if said.partition(".")[0] not in {"2", "3"}:
+        raise InputError(f"{path} is an FMU of FMI {said}; export it again as FMI 2.0 or 3.0")
 
 
 def _reason(error: Exception) -> str:
@@ -190,16 +215,10 @@ def _instant(text: Any) -> Fraction | None:
     """A time (s), which may lie before 0, where there is one."""
     if text is None or not math.isfinite(float(text)):
         return None
-    return _meant(Fraction(str(text)))
+    return simple(Fraction(str(text)))
 
 
 def _time(text: Any) -> Fraction | None:
     """A time above 0 (s), where there is one."""
     found = _instant(text)
     return found if found is not None and found > 0 else None
-
-
-def _meant(exact: Fraction) -> Fraction:
-    """0.3333333333 was written for 1/3; an exact value stays what it is."""
-    near = exact.limit_denominator(1_000_000)
-    return near if abs(near - exact) <= abs(exact) * Fraction(1, 10**9) else exact

@@ -1,0 +1,106 @@
+"""Archives and folders of strangers that cannot be read end in a sentence, never in a traceback."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cosim.base.errors import InputError
+from cosim.master.fmu.reading import read_description
+from tests.support.fmus.foreign import foreign_fmu, scalar
+
+Y = scalar(3, "y", 1, causality="output", start="3", initial="exact")
+STRUCTURE = '<Output valueReference="1" dependencies=""/>'
+
+
+@pytest.fixture
+def fmu(tmp_path: Path) -> Path:
+    return foreign_fmu(tmp_path, 3, Y, structure=STRUCTURE)
+
+
+def described(path: Path, change: Callable[[str], str]) -> Path:
+    """The same FMU with another description."""
+    new = path.with_name("changed.fmu")
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(new, "w") as archive:
+        for entry in old.namelist():
+            content = old.read(entry)
+            if entry == "modelDescription.xml":
+                content = change(content.decode()).encode()
+            archive.writestr(entry, content)
+    return new
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda _: '<fmiModelDescription fmiVersion="1.0" modelName="m"/>', "an FMU of FMI 1.0; "),
+        (lambda text: text.replace('"3.0"', '"4.0"', 1), "is an FMU of FMI 4.0; export it again"),
+        (lambda text: text.replace('fmiVersion="3.0"', ""), "does not say its fmiVersion"),
+        (lambda _: "<SystemStructureDescription/>", "begins with <SystemStructureDescription>, so"),
+        (lambda _: "", "cannot be read: Document is empty"),
+        (lambda text: text[:200], r"cannot be read: .*line \d"),
+        (lambda text: text.replace("UTF-8", "UTF-99"), "cannot be read: Unsupported encoding"),
+    ],
+)
+def test_a_description_of_something_else_is_called_that(
+    fmu: Path, change: Callable[[str], str], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        read_description(described(fmu, change))
+
+
+@pytest.mark.parametrize(
+    ("entry", "content", "said"),
+    [
+        ("resources/" + "x/" * 2000 + "y", "", "2002 folders deep .*; it is refused"),
+        ("modelDescription.xml", "<a/>", "two different entries 'modelDescription.xml'"),
+        ("modelDescription.xml/x", "", "could not be unpacked"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_an_entry_that_cannot_be_unpacked_is_named(
+    fmu: Path, entry: str, content: str, said: str
+) -> None:
+    with zipfile.ZipFile(fmu, "a") as archive:
+        archive.writestr(entry, content)
+    with pytest.raises(InputError, match=said):
+        read_description(fmu)
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_the_same_entry_twice_is_no_harm(fmu: Path) -> None:
+    with zipfile.ZipFile(fmu, "a") as archive:
+        archive.writestr("modelDescription.xml", archive.read("modelDescription.xml"))
+    assert read_description(fmu).variables
+
+
+def test_an_encrypted_archive_is_called_that(fmu: Path) -> None:
+    content = bytearray(fmu.read_bytes())
+    content[content.find(b"PK\x03\x04") + 6] |= 1
+    content[content.find(b"PK\x01\x02") + 8] |= 1
+    fmu.write_bytes(content)
+    with pytest.raises(InputError, match=r"is encrypted \('modelDescription.xml'\)"):
+        read_description(fmu)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names that are no text")
+def test_files_with_names_that_are_no_text_are_files(fmu: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(folder)
+    (folder / "resources").mkdir()
+    shutil.copy(fmu, os.fsencode(folder / "resources") + b"/\xff\xfe")
+    pipe, link = folder / "resources" / "pipe", folder / "resources" / "nowhere"
+    os.mkfifo(pipe)
+    link.symlink_to("/nowhere")
+    with pytest.raises(InputError, match=r"resources/(pipe|nowhere): .*\(and 1 more\)$"):
+        read_description(folder)
+    pipe.unlink()
+    link.unlink()
+    assert read_description(folder).variables
