@@ -114,6 +114,8 @@ class SavedFmu:
 
 
 def _words(content: bytes) -> Words:
+    if len(content) % 8:
+        raise LookupError(f"its state of {len(content)} bytes is not the state of a bundled model")
     return np.frombuffer(content, dtype=np.int64)
 
 

@@ -12,6 +12,13 @@ from typing import Any, Protocol
 
 from cosim.master.fmu.binding import FATAL, OK, WARNING, Library, Prototype
 
+MOST_BYTES = 1 << 32
+"""That a state may have; what is larger is a number that was never set."""
+
+
+class StateError(ValueError):
+    """A call about a state was said to be well, and what it gave cannot be used."""
+
 
 class CallByName(Protocol):
     """Calls a function of an instance by its name in the standard, and returns its status."""
@@ -49,22 +56,35 @@ class StateFunctions:
         return [name for name in self.prototypes() if name not in library]
 
     def save(self, call: CallByName) -> tuple[int, bytes]:
-        """The first status that is neither OK nor a warning, and the serialised state."""
+        """The first status that is neither OK nor a warning, and the serialised state.
+
+        Raises:
+            StateError: no state was handed out, or its size cannot be.
+        """
         status, state = self.keep(call)
         if status not in {OK, WARNING}:
             return status, b""
         size, content = c_size_t(), b""
         status = call(self.size, state, ctypes.byref(size))
         if status in {OK, WARNING}:
-            room = (self.byte * size.value)()
+            try:
+                room = self._room(size.value)
+            except StateError:
+                self._freed(call, state, status)
+                raise
             status = call(self.serialise, state, room, size.value)
             content = bytes(room)
         return self._freed(call, state, status), content
 
     def keep(self, call: CallByName) -> tuple[int, c_void_p]:
-        """The status, and the state as the FMU's own object; ``drop`` gives it back."""
+        """The status, and the state as the FMU's own object; ``drop`` gives it back.
+
+        Raises:
+            StateError: none was handed out.
+        """
         state = c_void_p()
-        return call(self.get, ctypes.byref(state)), state
+        status = call(self.get, ctypes.byref(state))
+        return _handed_out(self.get, status, state), state
 
     def put(self, call: CallByName, state: c_void_p) -> int:
         """Go back to a state that was kept, which stays."""
@@ -75,13 +95,26 @@ class StateFunctions:
         return call(self.free, ctypes.byref(state))
 
     def load(self, call: CallByName, content: bytes) -> int:
-        """Restore what was serialised; the first status that is neither OK nor a warning."""
+        """Restore what was serialised; the first status that is neither OK nor a warning.
+
+        Raises:
+            StateError: no state was handed out.
+        """
         state = c_void_p()
         room = (self.byte * len(content)).from_buffer_copy(content)
         status = call(self.deserialise, room, len(content), ctypes.byref(state))
+        _handed_out(self.deserialise, status, state)
         if status not in {OK, WARNING}:
             return status
         return self._freed(call, state, call(self.set, state))
+
+    def _room(self, size: int) -> Any:
+        try:
+            if size <= MOST_BYTES:
+                return (self.byte * size)()
+        except MemoryError:
+            pass
+        raise StateError(f"{self.size} says that its state has {size} bytes, more than can be kept")
 
     def _freed(self, call: CallByName, state: c_void_p, status: int) -> int:
         """Give a state back after ``status``, which stays the one that counts unless it is well."""
@@ -89,6 +122,13 @@ class StateFunctions:
             return status  # nothing may be called any more
         freed = self.drop(call, state)
         return freed if status in {OK, WARNING} else status
+
+
+def _handed_out(function: str, status: int, state: c_void_p) -> int:
+    """The status of a call that gives a state, which has given one if it is well."""
+    if status in {OK, WARNING} and not state:
+        raise StateError(f"{function} said that all is well and handed out no state")
+    return status
 
 
 FMI2 = StateFunctions(

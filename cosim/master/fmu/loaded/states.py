@@ -11,6 +11,7 @@ from cosim.master.fmu.binding import Binding
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.loaded.conduct import AFTER_FATAL, Conduct
 from cosim.master.fmu.loaded.residence import Residence
+from cosim.master.fmu.state import StateError
 
 
 class States:
@@ -40,7 +41,7 @@ class States:
         Raises:
             RunError: the FMU cannot give it.
         """
-        with self._calls() as bound:
+        with self._calls(when) as bound:
             status, content = bound.save_state()
         self._conduct.check_state("save its state", status, when)
         return content
@@ -51,7 +52,7 @@ class States:
         Raises:
             RunError: the FMU refuses it; what state it has then is not known.
         """
-        with self._calls() as bound:
+        with self._calls(when) as bound:
             status = bound.load_state(content)
         self._conduct.check_state("restore its state", status, when)
 
@@ -62,7 +63,7 @@ class States:
             RunError: the FMU cannot give it.
         """
         self.drop()
-        with self._calls() as bound:
+        with self._calls(when) as bound:
             status, state = bound.keep_state()
         self._conduct.check_state("save its state", status, when)
         self._kept = state
@@ -75,7 +76,7 @@ class States:
             RunError: the FMU refuses it; what state it has then is not known.
         """
         assert self._kept is not None
-        with self._calls() as bound:
+        with self._calls(when) as bound:
             status = bound.put_state(self._kept)
         self._conduct.check_state("restore its state", status, when)
         self._residence.log.forget()
@@ -89,7 +90,7 @@ class States:
                 self._conduct.judge(bound.drop_state(state))
 
     @contextmanager
-    def _calls(self) -> Generator[Binding]:
+    def _calls(self, when: str = "") -> Generator[Binding]:
         """What is called by name; afterwards nothing of it is going on."""
         if self._conduct.is_lost:
             raise RunError(f"{self._component}: {AFTER_FATAL}.")
@@ -98,7 +99,10 @@ class States:
         if missing:
             raise RunError(
                 f"{self._component}: the FMU {self._file} says that its state can "
-                f"be saved, but its library has no function {' and none '.join(missing)}"
+                f"be saved, but its library has no function {' and none '.join(missing)}{when}"
             )
-        yield bound
+        try:
+            yield bound
+        except StateError as error:
+            raise RunError(f"{self._component}: {error}{when}{self._conduct.reasons()}") from None
         self._residence.calling("")
