@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from cosim.analysis.monodromy.run_map import RunMap
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
-from cosim.scenario import Scenario
+from cosim.scenario import Connection, Scenario
 
 Real = NDArray[np.float64]
 
 FORCE = 1e-3
 """Newtons by which a hand is pushed, where the run is not linear; 1 N where it is."""
+WEIGHT = "tracking.weight"
+"""The share of its force with which an operator that follows a target holds on."""
 _CONSTANT = 1
+_WRITTEN = ("force_amplitude", "force_mode", "force_rectify", "force_command")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,7 @@ def find_push(scenario: Scenario, user: str | None, axis: int = 0, number: int =
         number: counted from 0 in the order they are written.
 
     Raises:
-        InputError: there is no such hand, or what drives it cannot be pushed on.
+        InputError: there is no such hand, or a force added to what drives it is not what it gets.
     """
     parts = {n: p for n, p in scenario.components.items() if p.is_bundled}
     hands = [name for name, part in parts.items() if part.source in {"hand", "operator"}]
@@ -64,17 +67,25 @@ def find_push(scenario: Scenario, user: str | None, axis: int = 0, number: int =
         )
     if parts[user].source == "operator":
         return _operator(scenario, user, axis)
-    driver = next(
+    driven = next(
         (
-            link.source.component
+            link
             for link in scenario.connections
             if link.target.component == user and link.target.path == "force"
         ),
         None,
     )
-    if driver is None:
+    if driven is None:
         return Push((user, "force"), user, "velocity", "position", 0)
+    driver = driven.source.component
     if driver in parts and parts[driver].source == "signal":
+        if driven.source.path != "value":
+            raise InputError(
+                f"{user} is pushed by {driven.source}, which no force can be added to; connect "
+                f"{driver}.value.",
+                scenario.locate(("components", user)),
+            )
+        _refuse_another_force(scenario, driven, lambda _: True)
         return Push((driver, "offset"), user, "velocity", "position", 0)
     raise InputError(
         f"{user} is pushed by {driver}, whose force cannot be added to; push it by a signal.",
@@ -83,19 +94,17 @@ def find_push(scenario: Scenario, user: str | None, axis: int = 0, number: int =
 
 
 def _operator(scenario: Scenario, user: str, axis: int) -> Push:
-    device = next(
-        (
-            link.target.component
-            for link in scenario.connections
-            if link.source.component == user and link.target.path.endswith("hand_force")
-        ),
+    held = next(
+        (link for link in scenario.connections if link.source.component == user and _holds(link)),
         None,
     )
-    if device is None or scenario.components[device].source != "pantograph":
+    if held is None or scenario.components[held.target.component].source != "pantograph":
         raise InputError(
             f"{user} holds no pantograph, so that its hand is not simulated.",
             scenario.locate(("components", user)),
         )
+    _refuse_another_force(scenario, held, _holds)
+    device = held.target.component
     element = f"[{axis + 1}]"
     return Push(
         (user, f"force_amplitude{element}"),
@@ -104,6 +113,42 @@ def _operator(scenario: Scenario, user: str, axis: int) -> Push:
         f"tip_position{element}",
         axis,
     )
+
+
+def _holds(link: Connection) -> bool:
+    return link.target.path.endswith("hand_force")
+
+
+def _refuse_another_force(
+    scenario: Scenario, driven: Connection, pushes: Callable[[Connection], bool]
+) -> None:
+    """Refuse what makes a newton at the source another one at the hand, or one on others as well.
+
+    Args:
+        scenario: what runs.
+        driven: from the source to the hand.
+        pushes: whether a connection from the same source moves something.
+
+    Raises:
+        InputError: with the connection's place.
+    """
+    late = driven.via is not None or driven.delay.ticks or driven.rate is not None
+    for number, link in enumerate(scenario.connections):
+        if link.source != driven.source:
+            continue
+        place = scenario.locate(("connections", number))
+        if link is driven and (late or link.factor != 1.0):
+            raise InputError(
+                f"{link} has a factor, a delay or a rate of its own, so that a force added there "
+                f"is another one on {link.target.component}: connect the two as they are.",
+                place,
+            )
+        if link is not driven and pushes(link):
+            raise InputError(
+                f"{link}: what pushes {driven.target.component} pushes this too, and what is felt "
+                "is of a force on one hand: give each its own.",
+                place,
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,20 +221,37 @@ def _follow(
 
 
 def _amplitude(run: RunMap, push: Push) -> dict[str, float]:
+    """What a force is added to; of an operator also how that is written, and what it makes now.
+
+    Raises:
+        InputError: the operator has let go of its target, so that its force counts in part.
+    """
     component, variable = push.source
-    found = {variable: run.output(component, variable)}
-    if variable.startswith("force_amplitude"):
-        mode = f"force_mode[{push.axis + 1}]"
-        found[mode] = run.output(component, mode)
-        if found[mode] == 0.0:
-            found[variable] = 0.0
-    return found
+    if not variable.startswith("force_amplitude"):
+        return {variable: run.output(component, variable)}
+    for number, one in enumerate(run.coordinates):
+        if (one.owner, one.name) == (component, WEIGHT) and run.start[number] != 1.0:
+            raise InputError(
+                f"At tick {run.tick} {component} has no target any more and holds on with "
+                f"{run.start[number]:.0%} of its force: choose a moment with --at at which it has."
+            )
+    element = f"[{push.axis + 1}]"
+    return {f"{name}{element}": run.output(component, f"{name}{element}") for name in _WRITTEN}
 
 
 def _set(run: RunMap, push: Push, was: dict[str, float], force: float) -> None:
+    """Add to a force, however it is written: its size counts in full only where it is constant."""
     component, variable = push.source
-    values = {variable: was[variable] + force}
-    mode = f"force_mode[{push.axis + 1}]"
-    if mode in was:
-        values[mode] = was[mode] or (_CONSTANT if force else 0)
+    element = f"[{push.axis + 1}]"
+    wanted = f"force_command{element}"
+    if wanted not in was:
+        values = {variable: was[variable] + force}
+    elif force:
+        values = {
+            f"force_mode{element}": _CONSTANT,
+            f"force_rectify{element}": 0,
+            variable: was[wanted] + force,
+        }
+    else:
+        values = {name: value for name, value in was.items() if name != wanted}
     run.fmus[component].overwrite(values)
