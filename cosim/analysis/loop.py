@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
+from cosim.analysis.chance.delays import HARMLESS, packet_delays
 from cosim.analysis.grasp import WORKSTATION, find_grasp
 from cosim.analysis.left_out import CLIENT, SERVER, refuse_what_chapters_leave_out
+from cosim.analysis.monodromy.refusal import chances
 from cosim.analysis.parameter import parameter
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
+from cosim.analysis.single_axis_parts import WITHOUT_CHANCE
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.theory.models.timing import PathDelay, Timing
@@ -32,12 +35,31 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
         InputError: where the scenario has no loop that chapters 3 to 6 know, or has more than it.
     """
     refuse_what_chapters_leave_out(scenario)
+    _refuse_recorded_fates(scenario)
     sources = {part.source for part in scenario.components.values() if part.is_bundled}
     if WORKSTATION in sources:
         return _read_workstations(scenario)
     if SERVER in sources:
         return _read_server(scenario)
     return read_single_axis(scenario)
+
+
+def _refuse_recorded_fates(scenario: Scenario) -> None:
+    """Refuse packets that follow something recorded: the loop has fixed delays, and they none.
+
+    Raises:
+        InputError: by name and place.
+    """
+    for link in chances(scenario):
+        name, way = link.rsplit(".", 1)
+        channel = scenario.channels[name]
+        direction = channel.forward if way == "forward" else channel.backward
+        if packet_delays(direction, channel.period) is None:
+            raise InputError(
+                f"{link} has {' and '.join(sorted(direction.impairments))}, and the loop of "
+                "chapters 3 to 6 a fixed delay: give the channel one in its place.",
+                scenario.locate(("channels", name)),
+            )
 
 
 def _read_workstations(scenario: Scenario) -> ScenarioLoop:
@@ -88,6 +110,8 @@ def _read_server(scenario: Scenario) -> ScenarioLoop:
 def _notes(scenario: Scenario) -> tuple[str, ...]:
     """What is left out, and which delays are longer here than in the run."""
     notes = {_PLANAR: None}
+    if any(effect not in HARMLESS for effects in chances(scenario).values() for effect in effects):
+        notes[WITHOUT_CHANCE] = None
     for name in dict.fromkeys(link.via for link in scenario.connections if link.via is not None):
         channel = scenario.channels[name]
         for way in (channel.forward, channel.backward):

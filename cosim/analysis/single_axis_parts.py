@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from cosim.analysis.chance.delays import HARMLESS
 from cosim.analysis.parameter import parameter
 from cosim.analysis.ties import (
     Tie,
@@ -18,8 +19,8 @@ from cosim.scenario import Connection, Direction, Scenario, ScenarioComponent
 from cosim.theory.models.timing import PathDelay, Timing
 
 WITHOUT_CHANCE = (
-    "Loss, jitter and traces of the channel are left out here; theory loss and theory design take "
-    "them."
+    "Loss, jitter and reordering of the channels are left out here; theory radius and theory loss "
+    "take them, and theory design loss and jitter."
 )
 
 
@@ -173,7 +174,7 @@ class Parts:
         samples = -(-way.delay.ticks // period)
         if samples * period != way.delay.ticks:
             _note(notes, f"A delay of {way.delay.ticks} ticks is taken as {samples} samples.")
-        if way.impairments:
+        if way.impairments.keys() - HARMLESS:
             _note(notes, WITHOUT_CHANCE)
         return samples
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cosim.analysis.loop import read_loop
-from cosim.analysis.single_axis_parts import WITHOUT_CHANCE
 from cosim.base.errors import CohapticError
 from cosim.scenario import Scenario
 from cosim.theory.models.parameters import Parameters
@@ -57,10 +56,7 @@ def _told(name: str, scenario: Scenario) -> ToldLoop:
         loop = read_loop(scenario)
     except CohapticError as error:
         return ToldLoop(name, refusal=str(error))
-    ways = [way for c in scenario.channels.values() for way in (c.forward, c.backward)]
     notes = dict.fromkeys(loop.notes)
-    if any(way.impairments for way in ways):
-        notes |= {WITHOUT_CHANCE: None}
     if scenario.events:
         notes |= {TURNED: None}
     model = Parameters(loop.architecture, loop.values, {}, users=loop.users).model()

@@ -141,7 +141,7 @@ def run_margins(asked: AskedRun) -> Margins:
         )
         if crosses
         else None,
-        delay=_delay_margin(asked) if crosses else None,
+        delay=delay_margin(asked) if crosses else None,
         loss=with_losses(asked.point()).critical_loss() if crosses else None,
     )
 
@@ -196,7 +196,7 @@ def _around_one(radius: Callable[[float], float], *, linear: bool) -> tuple[floa
     return float(np.exp(low)), float(np.exp(high))
 
 
-def _delay_margin(asked: AskedRun) -> int | None:
+def delay_margin(asked: AskedRun) -> int | None:
     """How many more network samples of round trip the run stands, each half of them rounded up."""
     for extra in range(1, FURTHEST_DELAY + 1):
         sets: list[str] = []
@@ -204,12 +204,11 @@ def _delay_margin(asked: AskedRun) -> int | None:
             late = (extra - extra // 2, extra // 2)
             ways = (channel.forward.delay.ticks, channel.backward.delay.ticks)
             forward, backward = (
-                float((ticks + more * channel.period) / asked.scenario.base_rate)
-                for ticks, more in zip(ways, late, strict=True)
+                ticks + more * channel.period for ticks, more in zip(ways, late, strict=True)
             )
             sets += [f"channels.{name}.{form}=~" for form in ("round_trip_delay", "each_way_delay")]
             sets.append(
-                f"channels.{name}.delay={{forward: '{forward!r} s', backward: '{backward!r} s'}}"
+                f"channels.{name}.delay={{forward: {forward} ticks, backward: {backward} ticks}}"
             )
         point = asked.fresh(sets)
         stable = deciding_radius(point) < 1.0 - SETTLED

@@ -11,6 +11,9 @@ from click.testing import CliRunner
 
 from cosim.base.errors import InputError
 from cosim.cli import cli
+from cosim.cli.theory.support.run_options import is_path
+from cosim.scenario.form.document import Document
+from cosim.scenario.load import read
 
 DISTRIBUTED = ("--scenario", "single_axis_distributed")
 
@@ -132,3 +135,27 @@ def test_a_map_of_three_users_has_the_delays_that_are_said() -> None:
             *("--backward-delay", "0", "--set", "k_11=2000", "--set", f"k_12={k_12}"),
         )
         assert found["stable"] == bool(stable[0]), k_12
+
+
+@pytest.mark.parametrize("name", ["single_axis_distributed", "two_users_box"])
+def test_what_a_channel_draws_is_said_and_what_was_recorded_refused(name: str) -> None:
+    ends = ", ".join(read(name).built().channels["lan"].between)
+    loop = ("passivity", "--scenario", name, "--device-damping", "3", "--set")
+    for effect in ("loss=0.1", "jitter=1", "reorder=0.1"):
+        said = CliRunner().invoke(cli, ["theory", *loop, f"channels.lan.{effect}"]).stderr
+        assert "are left out here" in said
+    doubled = CliRunner().invoke(cli, ["theory", *loop, "channels.lan.duplication=0.1"]).stderr
+    assert "are left out here" not in doubled
+    trace = f"channels.lan={{between: [{ends}], rate: network, trace: [1, 2]}}"
+    assert "lan.forward has trace" in refusal(*loop, trace)
+
+
+@pytest.mark.parametrize("key", sorted(Document.model_fields))
+def test_every_key_of_a_scenario_is_one_of_it(key: str) -> None:
+    assert is_path(f"{key}=~")
+
+
+def test_a_start_and_a_list_of_events_may_be_set_in_a_run() -> None:
+    turned = ("radius", "--scenario", "single_axis_turned")
+    assert "is turned at tick" in refusal(*turned)
+    assert answer(*turned, "--set", "events=~", "--set", "start_time=3")["at"] > 3.0

@@ -38,7 +38,10 @@ def operator(**given: str) -> list[str]:
             "connections.0={from: step_1.value, to: hand_1.force, factor: 2}",
             r"step_1.value -> hand_1.force.*has a factor",
         ),
-        ("connections.0=step_1.value -> hand_1.force delay 8 ticks", "a delay or a rate of its own"),
+        (
+            "connections.0=step_1.value -> hand_1.force delay 8 ticks",
+            "a delay or a rate of its own",
+        ),
         ("connections.0=step_1.value -> hand_1.force at 64 Hz", "a delay or a rate of its own"),
         ("connections.0=step_1.rate -> hand_1.force", "connect step_1.value"),
     ],

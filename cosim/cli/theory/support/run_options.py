@@ -16,8 +16,30 @@ if TYPE_CHECKING:
     from cosim.analysis.answers.asked import AskedRun
     from cosim.scenario.load import Written
 
-TOP_LEVEL = ("base_rate", "duration", "seed")
-"""Keys of a scenario that --set may name without a dot."""
+TOP_LEVEL = frozenset(
+    {
+        "base_rate",
+        "channels",
+        "cohaptic",
+        "components",
+        "connections",
+        "description",
+        "duration",
+        "events",
+        "expect",
+        "knobs",
+        "link",
+        "name",
+        "rates",
+        "realtime",
+        "record",
+        "safety",
+        "seed",
+        "start_time",
+        "title",
+    }
+)
+"""Keys of a scenario, which --set may name without a dot; no parameter of the thesis has them."""
 
 RUN_OPTIONS = (
     click.option(
