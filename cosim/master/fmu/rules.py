@@ -37,6 +37,11 @@ def judge(description: Any, path: Path, folder: Path, *, is_valid: bool) -> tupl
     interface = description.coSimulation
     if interface is not None and not interface.modelIdentifier:
         raise InputError(f"{where} does not say what its library is called (modelIdentifier)")
+    if interface is not None and set(interface.modelIdentifier) & set("/\\:"):
+        raise InputError(
+            f"{where} gives its library the name '{interface.modelIdentifier}', which is a path; "
+            "a modelIdentifier is a name in C"
+        )
     _check_times(description.defaultExperiment, where)
     if not is_valid and description.fmiMajorVersion == 2:
         _check_types(folder / "modelDescription.xml", where)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import zipfile
@@ -42,6 +43,9 @@ def described(path: Path, change: Callable[[str], str]) -> Path:
         (lambda _: '<fmiModelDescription fmiVersion="1.0" modelName="m"/>', "an FMU of FMI 1.0; "),
         (lambda text: text.replace('"3.0"', '"4.0"', 1), "is an FMU of FMI 4.0; export it again"),
         (lambda text: text.replace('fmiVersion="3.0"', ""), "does not say its fmiVersion"),
+        (lambda text: text.replace('Identifier="', 'Identifier="/usr/lib/'), "which is a path"),
+        (lambda text: text.replace('Identifier="', 'Identifier="../../x/'), "which is a path"),
+        (lambda text: re.sub("<(ModelVariables).*</\\1>", "", text, flags=re.S), "no ModelVar"),
         (lambda _: "<SystemStructureDescription/>", "begins with <SystemStructureDescription>, so"),
         (lambda _: "", "cannot be read: Document is empty"),
         (lambda text: text[:200], r"cannot be read: .*line \d"),
@@ -104,3 +108,49 @@ def test_files_with_names_that_are_no_text_are_files(fmu: Path, tmp_path: Path) 
     pipe.unlink()
     link.unlink()
     assert read_description(folder).variables
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ('<Dimension start="-1"/>', "line 6 .*: a: it has a dimension of -1"),
+        ('<Dimension start="9"/><Dimension start="200000"/>', "9 × 200000 elements, more than"),
+        ('<Dimension start="4000000000000000000"/>', "more than the 1000000 carried"),
+    ],
+)
+def test_an_array_has_a_size_that_can_be_carried(tmp_path: Path, inside: str, said: str) -> None:
+    values = Y + scalar(3, "a", 2, inside=inside, causality="local")
+    with pytest.raises(InputError, match=said):
+        read_description(foreign_fmu(tmp_path, 3, values, structure=STRUCTURE))
+
+
+def test_a_size_that_a_scenario_gives_can_be_carried(tmp_path: Path) -> None:
+    size = scalar(
+        3, "n", 2, "UInt64", causality="structuralParameter", variability="fixed", start="2"
+    )
+    array = scalar(3, "a", 3, inside='<Dimension valueReference="2"/>', causality="local")
+    fmu = foreign_fmu(tmp_path, 3, Y + size + array, structure=STRUCTURE)
+    assert read_description(fmu, {"n": 7}).variables["a"].shape == (7,)
+    with pytest.raises(InputError, match="a: it has 1000000000 elements, more than the 1000000"):
+        read_description(fmu, {"n": 1_000_000_000})
+
+
+TERMINAL = '<Terminal name="{0}"><TerminalMemberVariable variableName="{1}"/></Terminal>'
+
+
+@pytest.mark.parametrize(
+    ("terminals", "said"),
+    [
+        (TERMINAL.format("plug", "y"), None),
+        (TERMINAL.format("plug", "nothing"), 'the terminal "plug" has a member "nothing" that is'),
+        (TERMINAL.format("plug", "y") * 2, 'two terminals are called "plug"'),
+        ("<Terminal", "its terminals are left out: terminalsAndIcons.xml cannot be read: "),
+    ],
+)
+def test_what_is_wrong_with_terminals_is_noted(
+    tmp_path: Path, terminals: str, said: str | None
+) -> None:
+    text = f"<fmiTerminalsAndIcons><Terminals>{terminals}</Terminals></fmiTerminalsAndIcons>"
+    extra = {"terminalsAndIcons/terminalsAndIcons.xml": text}
+    found = read_description(foreign_fmu(tmp_path, 3, Y, structure=STRUCTURE, extra=extra)).breaks
+    assert (found == ()) if said is None else (len(found) == 1 and found[0].startswith(said))

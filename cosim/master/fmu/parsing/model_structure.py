@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,25 +46,35 @@ def inputs_of(description: Any) -> tuple[str, ...]:
     return tuple(v.name for v in description.modelVariables if v.causality == "input")
 
 
-def terminals_of(folder: Path, variables: Mapping[str, Variable]) -> dict[str, dict[str, str]]:
-    """FMI 3.0 section 2.4.9; nested terminals get dotted names."""
+def terminals_of(
+    folder: Path, variables: Mapping[str, Variable], skipped: Collection[str]
+) -> tuple[dict[str, dict[str, str]], tuple[str, ...]]:
+    """FMI 3.0 section 2.4.9, and what is wrong with them; nested terminals get dotted names.
+
+    Members that are ``skipped`` are variables, but have no values here.
+    """
     path = folder / "terminalsAndIcons" / "terminalsAndIcons.xml"
     if not path.is_file():
-        return {}
+        return {}, ()
     try:
         root = ET.parse(path).getroot()
-    except ET.ParseError:
-        return {}
+    except (ET.ParseError, LookupError, ValueError) as error:
+        return {}, (f"its terminals are left out: {path.name} cannot be read: {error}",)
     found: dict[str, dict[str, str]] = {}
+    wrong: list[str] = []
 
     def visit(element: ET.Element, prefix: str) -> None:
         for terminal in element.findall("Terminal"):
             name = prefix + terminal.get("name", "")
-            members = {
-                member.get("memberName") or member.get("variableName", ""): variable
-                for member in terminal.findall("TerminalMemberVariable")
-                if (variable := member.get("variableName", "")) in variables
-            }
+            members: dict[str, str] = {}
+            for member in terminal.findall("TerminalMemberVariable"):
+                variable = member.get("variableName", "")
+                if variable in variables:
+                    members[member.get("memberName") or variable] = variable
+                elif variable not in skipped:
+                    wrong.append(f'the terminal "{name}" has a member "{variable}" that is nowhere')
+            if name in found:
+                wrong.append(f'two terminals are called "{name}"; the last one counts')
             if members:
                 found[name] = members
             visit(terminal, f"{name}.")
@@ -72,4 +82,4 @@ def terminals_of(folder: Path, variables: Mapping[str, Variable]) -> dict[str, d
     terminals = root.find("Terminals")
     if terminals is not None:
         visit(terminals, "")
-    return found
+    return found, tuple(wrong)

@@ -79,6 +79,7 @@ def parse_description(
             ) from None
     at_events = [variables.pop(name) for name in clocked]
     breaks += judge(description, path, folder, is_valid=not breaks)
+    terminals, wrong = terminals_of(folder, variables, skipped)
     return FmuDescription(
         path=path,
         folder=folder,
@@ -97,7 +98,7 @@ def parse_description(
         initial_dependencies=among(
             variables, dependencies_of(description.initialUnknowns, inputs_of(description))
         ),
-        terminals=terminals_of(folder, variables),
+        terminals=terminals,
         units={u.name: _unit(u) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
         varies_step=bool(interface.canHandleVariableCommunicationStepSize),
@@ -112,7 +113,7 @@ def parse_description(
             if v.initial == "calculated" and v.causality in {"output", "local"}
         ),
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
-        breaks=breaks,
+        breaks=breaks + wrong,
         skipped=skipped,
         has_event_mode=version == 3 and bool(interface.hasEventMode),
         clocks=read_clocks(ET.parse(folder / DESCRIPTION).getroot()) if skipped else [],
@@ -156,7 +157,7 @@ def _parse(path: Path, folder: Path) -> tuple[Any, tuple[str, ...]]:
             breaks = tuple(str(problem) for problem in error.problems)
         found = fmpy.read_model_description(str(folder), validate=False)
     except Exception as error:  # FMPy raises bare exceptions, lxml its own
-        said = _reason(error)
+        said = _reason(error, file)
         raise InputError(f"the modelDescription.xml of {path} cannot be read: {said}") from None
     return found, breaks
 
@@ -182,7 +183,7 @@ def _check_version(path: Path, file: Path) -> None:
         raise InputError(f"{path} is an FMU of FMI {said}; export it again as FMI 2.0 or 3.0")
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, file: Path) -> str:
     """In words, where FMPy looks something up that is not there."""
     if isinstance(error, IndexError):
         return "its ModelStructure has an index that is beyond the last variable"
@@ -190,6 +191,8 @@ def _reason(error: Exception) -> str:
         return f"no variable has the valueReference {error.args[0]}, which it refers to"
     if isinstance(error, KeyError):
         return "a Dimension has neither a start nor a valueReference"
+    if isinstance(error, TypeError) and ET.parse(file).find("ModelVariables") is None:
+        return "it has no ModelVariables"
     if isinstance(error, TypeError):
         return "a number that the standard requires is missing (a valueReference, for one)"
     return str(error)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from cosim.base.component import Causality, Variable, VariableType
 from cosim.master.components.parameters import misfit
 from cosim.master.fmu.meanings import Meant
 
+MOST_ELEMENTS = 1_000_000
+"""Of an array."""
 _TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -33,12 +36,21 @@ class Shapes:
     """The name of the structural parameter behind a value reference."""
 
     def of(self, variable: Any) -> tuple[int, ...]:
-        """Of one of FMPy's variables."""
+        """Of one of FMPy's variables.
+
+        Raises:
+            ValueError: a dimension is below 0, or there are more elements than are carried.
+        """
         shape = list[int](variable.shape or ())
         for place, dimension in enumerate(variable.dimensions):
             name = self.by_reference.get(dimension.valueReference, "")
             if name in self.structure:
                 shape[place] = self.structure[name]
+        if shape and min(shape) < 0:
+            raise ValueError(f"it has a dimension of {min(shape)}")
+        if prod(shape) > MOST_ELEMENTS:
+            size = " × ".join(map(str, shape))
+            raise ValueError(f"it has {size} elements, more than the {MOST_ELEMENTS} carried")
         return tuple(shape)
 
 
@@ -54,7 +66,7 @@ def variable_of(
     """The variable that FMPy read as ``variable``; ``texts`` are the starts of a Binary or String.
 
     Raises:
-        ValueError: its start is none of its type.
+        ValueError: its start is none of its type, or its shape none that is carried.
     """
     kind = _FMI2_TYPES[variable.type] if version == 2 else VariableType(variable.type)
     declared = variable.declaredType
