@@ -13,7 +13,8 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.preparation.late_packets import packets_that_come_too_late
 from cosim.preparation.room import room_for_the_record
 from cosim.record.playback import KINDS
-from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.expectation import Expectation
+from cosim.report.verdict.reading import parse_expectations
 from cosim.scenario import Scenario
 
 Judge = Callable[[Scenario, Simulation], list[str]]
@@ -60,7 +61,7 @@ def prepare(
     warnings: list[str] = []
     try:
         with problems.at(("expect",)):
-            expectations = parse_expectations(scenario, _units(simulation))
+            expectations = parse_expectations(scenario, simulation.groups)
         with problems.at(("record",)):
             warnings += room_for_the_record(simulation, folder) if recorded else []
         with problems.at(("components",)):
@@ -71,10 +72,6 @@ def prepare(
         simulation.close()
         raise
     return Prepared(simulation, tuple(expectations), tuple(warnings))
-
-
-def _units(simulation: Simulation) -> dict[str, str]:
-    return {c.name: c.unit or "" for group in simulation.groups for c in group.columns}
 
 
 def _judge_links(scenario: Scenario, problems: Problems) -> None:

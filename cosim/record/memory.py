@@ -26,7 +26,7 @@ def run_in_memory(
 
 
 def extremes_of(sink: MemorySink) -> dict[str, tuple[float, float]]:
-    """The least and the greatest value of each signal; NaN where it has no number."""
+    """The least and the greatest value of each signal; NaN where a row has no number."""
     found: dict[str, tuple[float, float]] = {}
     for number, group in enumerate(sink.groups):
         cells = sink.rows(number)
@@ -35,7 +35,7 @@ def extremes_of(sink: MemorySink) -> dict[str, tuple[float, float]]:
             continue
         # All columns at once, as what each may be: one that is whole numbers is no float.
         floats = cells.view(np.float64)
-        lows, highs = np.fmin.reduce(floats, axis=0), np.fmax.reduce(floats, axis=0)
+        lows, highs = floats.min(axis=0), floats.max(axis=0)
         least, most = cells.min(axis=0).tolist(), cells.max(axis=0).tolist()
         ends = zip(lows.tolist(), highs.tolist(), least, most, strict=True)
         for column, (low, high, first, last) in zip(group.columns, ends, strict=True):

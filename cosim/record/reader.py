@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
+from cosim.base.recording import RecordGroup
 from cosim.base.suggest import did_you_mean
 from cosim.record.hdf5 import h5py
 from cosim.record.layout import FORMAT_VERSION
@@ -82,6 +83,18 @@ class Run:
         for group in sorted(self.groups.values(), key=lambda group: -group.period):
             found.update(group.texts)
         return MappingProxyType(found)
+
+    @property
+    def record_groups(self) -> tuple[RecordGroup, ...]:
+        """What was recorded together, as the recorder was told."""
+        return tuple(
+            RecordGroup(
+                name=name,
+                period=group.period,
+                columns=tuple(signal.column for signal in group.signals.values()),
+            )
+            for name, group in self.groups.items()
+        )
 
     def __getitem__(self, name: str) -> RecordedSignal:
         """One signal of numbers; texts are in ``texts``.

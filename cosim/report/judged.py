@@ -10,9 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cosim.record.reader import Run
-from cosim.report.expectation import Expectation, Verdict, evaluate
+from cosim.report.expectation import Expectation
 from cosim.report.measures import SCENARIO_MEASURES, Extremes, Inspection, TickRange
 from cosim.report.runaway import Runaway, runaways
+from cosim.report.verdict.evaluate import Verdict, evaluate, meant_to_run_away
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +41,17 @@ class Judged:
 def judge(
     run: Run, expectations: Sequence[Expectation], extremes: Mapping[str, Extremes]
 ) -> Judged:
-    """Measure and judge a run; ``extremes`` are those of each recorded signal."""
+    """Measure and judge a run; ``extremes`` are those of each recorded signal.
+
+    Who expects a signal to grow, or to be as large as only what ran away is, is its judge.
+    """
     inspection = Inspection(run, extremes)
+    meant = meant_to_run_away(expectations)
+    away = runaways(run, extremes)
     return Judged(
         measures=take_measures(inspection, expectations),
-        verdicts=evaluate(inspection, expectations),
-        runaways=runaways(run, extremes, expectations),
+        verdicts=evaluate(inspection, expectations, away),
+        runaways=[each for each in away if each.signal not in meant],
         inspection=inspection,
     )
 

@@ -1,7 +1,8 @@
 """Measures of a whole scenario: was the box held, how steadily, and do the copies agree?
 
 Each can be the target of an expectation, and each stands in the summary where it applies. To have
-a new one, write a function of the run and a range of ticks and add it to ``SCENARIO_MEASURES``.
+a new one, write a function of the run and a range of ticks and add it to ``SCENARIO_MEASURES`` with
+the signals that it reads; of these it may take for granted that every row holds a finite number.
 
 The *hold phase*, over which holding is judged unless a window is given, begins ``SETTLING`` after
 the first tick at which every finger that ever touches the box does, and lasts to the end.
@@ -10,7 +11,7 @@ the first tick at which every finger that ever touches the box does, and lasts t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -19,13 +20,14 @@ import numpy as np
 
 from cosim.record.reader import Run
 from cosim.report.platform import Contact, RecordedPlatform, platform_of
-from cosim.report.target import Target, aligned
+from cosim.report.target import Target, aligned, blocks
+from cosim.report.verdict.lack import lack_of
 from cosim.report.window import MEASURES, Window, measure
 
 TickRange = tuple[int, int]
 """Base ticks, the second one not included."""
 Extremes = tuple[float, float]
-"""The least and the greatest value; NaN where there is none."""
+"""The least and the greatest value; NaN where there is none, or a row has no number."""
 
 SETTLING = 0.5
 """From the first common contact to the hold phase (s)."""
@@ -43,11 +45,36 @@ class Inspection:
         self._values: dict[tuple[str, TickRange | None], float | None] = {}
 
     def value(self, name: str, window: TickRange | None = None) -> float | None:
-        """A scenario measure over a window, or over the range that it chooses itself."""
+        """A scenario measure over a window, or over the range that it chooses itself.
+
+        ``None`` where it does not apply, NaN where :meth:`lack` says what is missing.
+        """
         key = (name, window)
         if key not in self._values:
-            self._values[key] = SCENARIO_MEASURES[name].function(self, window)
+            value = SCENARIO_MEASURES[name].function(self, window)
+            lacking = value is not None and self.lack(name, window)
+            self._values[key] = math.nan if lacking else value
         return self._values[key]
+
+    def lack(self, name: str, window: TickRange | None) -> str:
+        """What keeps a scenario measure from being told: a sentence without its end, or nothing."""
+        measure = SCENARIO_MEASURES[name]
+        first, last = window or (0, self.run.ticks)
+        held = self.held(window) if measure.of_hold_phase else None
+        begin, end = held[0] if held is not None else (first, last)
+        for signal in sorted(measure.reads(self.platform)):
+            if said := lack_of(self.run, _one(signal), begin, end, measure.samples):
+                return said
+            # What holding is found by is looked at from the beginning on.
+            if not self.is_finite(signal, first, last):
+                return lack_of(self.run, _one(signal), first, last)
+        return ""
+
+    def is_finite(self, signal: str, first: int, last: int) -> bool:
+        """Whether every row of a signal over ``first`` <= tick < ``last`` holds a finite number."""
+        if signal in self._extremes and self.run[signal].group.covers(first, last):
+            return all(map(math.isfinite, self._extremes[signal]))
+        return all(np.isfinite(v).all() for _, v in blocks(self.run, _one(signal), first, last))
 
     def window(self, target: Target, first: int, last: int) -> Window:
         """A target's statistics over ``first`` <= tick < ``last``."""
@@ -61,7 +88,7 @@ class Inspection:
         if signal in self._extremes and self.run[signal].group.covers(first, last):
             return self._extremes[signal]
         window = self.window(_one(signal), first, last)
-        return window.minimum, window.maximum
+        return (window.minimum, window.maximum) if window.is_finite else (math.nan, math.nan)
 
     def ever(self, signal: str) -> bool:
         """Whether a signal is anything but 0 at any tick."""
@@ -96,7 +123,13 @@ class ScenarioMeasure:
     unit: str
     description: str
     function: Callable[[Inspection, TickRange | None], float | None]
+    reads: Callable[[RecordedPlatform], Collection[str]]
+    """The signals it takes; none where it does not apply to what is recorded."""
     of_hold_phase: bool = False
+    samples: int = 1
+    """How many rows of each signal it takes."""
+    most: float = math.inf
+    """The most that it can be; the least is 0 of each."""
 
 
 def _contact_losses(measured: Inspection, window: TickRange | None) -> float | None:
@@ -141,12 +174,12 @@ def _over_forces(
     if held is None:
         return None
     (first, last), contacts = held
-    found: list[float] = [
-        _of_numbers(name, measured.window(_one(contact.normal_force), first, last))
-        for contact in contacts
-        if contact.normal_force is not None
-    ]
-    return _chosen(choose, found)
+    forces = [contact.normal_force for contact in contacts if contact.normal_force is not None]
+    if len(forces) < len(contacts):
+        return None  # the one that is not recorded may be the one to choose
+    return _chosen(
+        choose, [MEASURES[name](measured.window(_one(force), first, last)) for force in forces]
+    )
 
 
 def _drift(measured: Inspection, window: TickRange | None) -> float | None:
@@ -173,7 +206,7 @@ def _over_copies(
             measured.platform.poses[other][parts],
             is_norm=True,
         )
-        found.append(_of_numbers(name, measured.window(target, first, last)))
+        found.append(MEASURES[name](measured.window(target, first, last)))
     return _chosen(max, found)
 
 
@@ -202,12 +235,6 @@ def _saturated_ticks(measured: Inspection, window: TickRange | None) -> float | 
     return sum(most - least for least, most in counters) if counters else None
 
 
-def _of_numbers(name: str, window: Window) -> float:
-    """A measure of a signal that has a number in every row, else NaN."""
-    missing = window.rows == 0 or window.missing > 0
-    return math.nan if missing else MEASURES[name](window)
-
-
 def _chosen(choose: Callable[[list[float]], float], found: list[float]) -> float | None:
     """One of them; NaN where one is, which would hide behind the others otherwise."""
     if not found:
@@ -215,13 +242,26 @@ def _chosen(choose: Callable[[list[float]], float], found: list[float]) -> float
     return math.nan if any(map(math.isnan, found)) else choose(found)
 
 
+def _states(platform: RecordedPlatform) -> Collection[str]:
+    return [contact.state for contact in platform.contacts]
+
+
+def _forces(platform: RecordedPlatform) -> Collection[str]:
+    forces = [each.normal_force for each in platform.contacts if each.normal_force is not None]
+    return [*_states(platform), *forces] if forces else []
+
+
+def _copies(platform: RecordedPlatform) -> Collection[str]:
+    return _boxes(platform) if len(platform.copies) > 1 else []
+
+
+def _boxes(platform: RecordedPlatform) -> Collection[str]:
+    return [name for pose in platform.poses.values() for name in pose]
+
+
 def signals_of(platform: RecordedPlatform) -> set[str]:
     """The signals that the measures read."""
-    found = {name for pose in platform.poses.values() for name in pose}
-    found |= {*platform.depths.values(), *platform.saturations}
-    for contact in platform.contacts:
-        found |= {contact.state, *((contact.normal_force,) if contact.normal_force else ())}
-    return found
+    return {name for each in SCENARIO_MEASURES.values() for name in each.reads(platform)}
 
 
 def _one(name: str) -> Target:
@@ -233,18 +273,23 @@ SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
         "",
         "contacts that ended in the hold phase, over all fingers and copies",
         _contact_losses,
+        _states,
         of_hold_phase=True,
+        samples=2,
     ),
     "held_fraction": ScenarioMeasure(
         "1",
         "share of the hold phase in which every finger is in contact",
         _held_fraction,
+        _states,
         of_hold_phase=True,
+        most=1.0,
     ),
     "grip_force": ScenarioMeasure(
         "N",
         "mean normal force in the hold phase, of the weakest contact",
         _grip_force,
+        _forces,
         of_hold_phase=True,
     ),
     "force_ripple": ScenarioMeasure(
@@ -252,21 +297,34 @@ SCENARIO_MEASURES: dict[str, ScenarioMeasure] = {
         "rms deviation of the normal force from its mean in the hold phase, of the worst contact "
         "(of two worlds, in either of them)",
         _force_ripple,
+        _forces,
         of_hold_phase=True,
+        samples=2,
     ),
-    "drift": ScenarioMeasure("m", "largest distance between two copies of the box", _drift),
-    "drift_rms": ScenarioMeasure("m", "rms distance between two copies of the box", _drift_rms),
-    "drift_angle": ScenarioMeasure("rad", "largest angle between two copies", _drift_angle),
+    "drift": ScenarioMeasure(
+        "m", "largest distance between two copies of the box", _drift, _copies
+    ),
+    "drift_rms": ScenarioMeasure(
+        "m", "rms distance between two copies of the box", _drift_rms, _copies
+    ),
+    "drift_angle": ScenarioMeasure(
+        "rad", "largest angle between two copies", _drift_angle, _copies
+    ),
     "box_displacement": ScenarioMeasure(
-        "m", "largest distance of the box from where it began", _box_displacement
+        "m", "largest distance of the box from where it began", _box_displacement, _boxes, samples=2
     ),
     "wall_penetration": ScenarioMeasure(
-        "m", "depth of the deepest corner in a wall", _wall_penetration
+        "m",
+        "depth of the deepest corner in a wall",
+        _wall_penetration,
+        lambda platform: platform.depths.values(),
     ),
     "saturated_ticks": ScenarioMeasure(
         "",
         "ticks in which a finger was to be given more force than its device can, over all fingers; "
         "of two worlds, each counts what it asks for, felt or not",
         _saturated_ticks,
+        lambda platform: platform.saturations,
+        samples=2,
     ),
 }

@@ -7,14 +7,13 @@ the bounds' reasons and what a run that ran away stands for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from cosim.record.reader import Run
-from cosim.report.expectation import Expectation
 from cosim.report.measures import Extremes
 
 BOUNDS: Mapping[str, float] = {
@@ -32,13 +31,19 @@ OTHERWISE = 1e12
 """The same for every other floating-point signal."""
 
 
+def bound_of(unit: str) -> float:
+    """The largest size that a signal of a unit has on a bench."""
+    return BOUNDS.get(unit, OTHERWISE)
+
+
 @dataclass(frozen=True, slots=True)
 class Runaway:
-    """One signal that left its bound: since when (s), and how far it came."""
+    """One signal that left its bound: since which tick and when (s), and how far it came."""
 
     signal: str
     unit: str
     bound: float
+    tick: int
     since: float
     largest: float
 
@@ -50,29 +55,26 @@ class Runaway:
         )
 
 
-def runaways(
-    run: Run, extremes: Mapping[str, Extremes], expectations: Iterable[Expectation] = ()
-) -> list[Runaway]:
+def runaways(run: Run, extremes: Mapping[str, Extremes]) -> list[Runaway]:
     """Every recorded signal that ran away, the first one first.
 
-    ``extremes`` are those of each signal. A signal that the scenario has an
-    expectation of is judged by that alone.
+    ``extremes`` are those of each signal, NaN where a row has no number.
     """
-    far = {
-        name: size
-        for name, bound in _bounds_of(run).items()
-        if (size := max(-extremes[name][0], extremes[name][1])) > bound
-    }
-    for each in expectations if far else ():
-        for name in each.target.signals if each.target is not None else ():
-            far.pop(name, None)
     found: list[Runaway] = []
-    for name, size in far.items():
-        signal, bound = run[name], _bounds_of(run)[name]
-        row = int(np.argmax(np.abs(signal.values) > bound))
-        since = float(run.seconds(signal.group.ticks_of(row, row + 1))[0])
-        found.append(Runaway(name, signal.unit, bound, since, size))
-    return sorted(found, key=lambda each: (each.since, each.signal))
+    for name, bound in _bounds_of(run).items():
+        low, high = extremes[name]
+        if -bound <= low and high <= bound:
+            continue
+        signal = run[name]
+        sizes = np.abs(signal.values)
+        away = sizes > bound
+        if away.any():
+            row = int(np.argmax(away))
+            ticks = signal.group.ticks_of(row, row + 1)
+            since = float(run.seconds(ticks)[0])
+            largest = float(np.fmax.reduce(sizes))
+            found.append(Runaway(name, signal.unit, bound, int(ticks[0]), since, largest))
+    return sorted(found, key=lambda each: (each.tick, each.signal))
 
 
 _BOUNDS: WeakKeyDictionary[Run, Mapping[str, float]] = WeakKeyDictionary()
@@ -82,5 +84,5 @@ def _bounds_of(run: Run) -> Mapping[str, float]:
     """The bound of each floating-point signal of a run; looked for once."""
     if run not in _BOUNDS:
         signals = run.signals.items()
-        _BOUNDS[run] = {n: BOUNDS.get(s.unit, OTHERWISE) for n, s in signals if s.is_float}
+        _BOUNDS[run] = {n: bound_of(s.unit) for n, s in signals if s.is_float}
     return _BOUNDS[run]

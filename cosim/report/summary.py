@@ -6,6 +6,7 @@ Everything in the object is in SI units; docs/record.md lists its members.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,7 +69,10 @@ def summarise(
     if summaries is None:
         summaries = {name: signal.summary() for name, signal in run.signals.items()}
     statistics = {name: each.statistics for name, each in summaries.items()}
-    extremes = {name: (each.minimum, each.maximum) for name, each in statistics.items()}
+    extremes = {
+        name: (math.nan, math.nan) if each.missing else (each.minimum, each.maximum)
+        for name, each in statistics.items()
+    }
     judged = judge(run, expectations, extremes)
     verdicts, away = judged.verdicts, judged.runaways
     manifest = run.manifest

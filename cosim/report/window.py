@@ -1,13 +1,15 @@
 """Measures of one target over a window of time: extremes, moments, counts, amplitude.
 
 To have a new measure, add a function of a :class:`Window` to ``MEASURES``; every comparison of
-``cosim.report.expectation`` then works with it.
+``cosim.report.expectation`` then works with it. No measure has to think of rows without a number or
+of too few rows: :class:`Measure` asks before it does.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +51,7 @@ class Window:
         self._losses = self._changes = 0
         self._extremes = math.nan, math.nan
         self._halves: tuple[tuple[float, float], ...] = _NO_WIDTHS
+        self._half_rows = [0, 0]
         self._moments: Moments | None = None
         self._before: NDArray[np.int64] | None = None
         """The row before the last ones, bit for bit."""
@@ -96,9 +99,10 @@ class Window:
         return self._extremes[1]
 
     @property
-    def missing(self) -> int:
-        """Rows that hold no number."""
-        return self.rows - self._moment()[0]
+    def is_finite(self) -> bool:
+        """Whether every row holds a finite number."""
+        ends = math.isfinite(self.minimum) and math.isfinite(self.maximum)
+        return ends and self.rows == self._moment()[0]
 
     @property
     def mean(self) -> float:
@@ -126,20 +130,33 @@ class Window:
         """How fast what moves grows (1/s), or dies away: less than 0.
 
         The logarithm of how much wider the values lie in the second half than in the first, over
-        the time from the middle of the one to that of the other; 0 where nothing moves.
+        the time from the middle of the one to that of the other; 0 where nothing moves, and NaN
+        where a half has less than two rows: one value moves nowhere.
         """
         self._count("halves")
+        if min(self._half_rows) < 2:
+            return math.nan
         widths = [max(high - low, _NARROW) for low, high in self._halves]
         between = (self._span[1] - self._span[0]) / 2
         return math.log(widths[1] / widths[0]) / between if between > 0 else math.nan
 
     @property
     def amplitude(self) -> float:
-        """Amplitude of the least-squares fit of c + a·cos(ωt) + b·sin(ωt); NaN without ω."""
-        if self.frequency is None:
+        """Amplitude of the least-squares fit of c + a·cos(ωt) + b·sin(ωt).
+
+        NaN without ω, and where the rows cannot tell it from a constant or from a slower sine.
+        """
+        if self.frequency is None or self.untold:
             return math.nan
         _, cosine, sine = np.linalg.lstsq(self._normal, self._right, rcond=None)[0]
         return float(np.hypot(cosine, sine))
+
+    @property
+    def untold(self) -> str:
+        """Why these rows tell no sine of this frequency, if they do not."""
+        lasting = self._span[1] - self._span[0]
+        step = lasting / max(self.rows - 1, 1)
+        return "" if self.frequency is None else can_not_tell(self.frequency, lasting, step)
 
     def _moment(self) -> tuple[int, float, float, float]:
         self._count("moments")
@@ -163,6 +180,8 @@ class Window:
             case "halves":
                 edge = int(np.searchsorted(self._times, self._middle))
                 pairs = zip(self._halves, (values[:edge], values[edge:]), strict=True)
+                self._half_rows[0] += edge
+                self._half_rows[1] += values.size - edge
                 self._halves = tuple(
                     (
                         float(np.fmin.reduce(part, initial=low)),
@@ -180,21 +199,61 @@ class Window:
                     self._changes += int(self._before[0] != cells[0])
 
 
-MEASURES: dict[str, Callable[[Window], float]] = {
-    "min": lambda window: window.minimum,
-    "max": lambda window: window.maximum,
-    "max_abs": lambda window: max(abs(window.minimum), abs(window.maximum)),
-    "peak_to_peak": lambda window: window.maximum - window.minimum,
-    "mean": lambda window: window.mean,
-    "rms": lambda window: window.rms,
-    "std": lambda window: window.std,
-    "initial": lambda window: window.first,
-    "final": lambda window: window.last,
-    "change": lambda window: window.last - window.first,
-    "amplitude": lambda window: window.amplitude,
-    "change_count": lambda window: window.changes,
-    "loss_count": lambda window: window.losses,
-    "growth": lambda window: window.growth,
+def can_not_tell(frequency: float, lasting: float, step: float) -> str:
+    """Why rows ``step`` apart (s) that last so long (s) tell no sine of a frequency (rad/s)."""
+    period = 2 * math.pi / frequency
+    if lasting + step < period:
+        return f"{lasting + step:.4g} s are less than one period, which lasts {period:.4g} s"
+    if 2 * step >= period:
+        return f"one sample every {step:.4g} s is too few for a period of {period:.4g} s"
+    return ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measure:
+    """A number about a window, and what it takes to tell it."""
+
+    function: Callable[[Window], float]
+    unit: str | None = None
+    """Its own unit; ``None`` for that of what is measured."""
+    samples: int = 1
+    """How many rows it takes."""
+    least: float | None = None
+    """The least that it can be; ``None`` where it is one of the values."""
+
+    def __call__(self, window: Window) -> float:
+        """The number; NaN where the window has too few rows, or one without a finite number."""
+        is_told = window.rows >= self.samples and window.is_finite
+        return self.function(window) if is_told else math.nan
+
+
+def _of(function: Callable[[Window], float]) -> Measure:
+    return Measure(function=function)
+
+
+MEASURES: dict[str, Measure] = {
+    "min": _of(lambda window: window.minimum),
+    "max": _of(lambda window: window.maximum),
+    "max_abs": Measure(
+        function=lambda window: max(abs(window.minimum), abs(window.maximum)), least=0.0
+    ),
+    "peak_to_peak": Measure(
+        function=lambda window: window.maximum - window.minimum, samples=2, least=0.0
+    ),
+    "mean": _of(lambda window: window.mean),
+    "rms": Measure(function=lambda window: window.rms, least=0.0),
+    "std": Measure(function=lambda window: window.std, samples=2, least=0.0),
+    "initial": _of(lambda window: window.first),
+    "final": _of(lambda window: window.last),
+    "change": Measure(
+        function=lambda window: window.last - window.first, samples=2, least=-math.inf
+    ),
+    "amplitude": Measure(function=lambda window: window.amplitude, samples=3, least=0.0),
+    "change_count": Measure(function=lambda window: window.changes, unit="", samples=2, least=0.0),
+    "loss_count": Measure(function=lambda window: window.losses, unit="", samples=2, least=0.0),
+    "growth": Measure(
+        function=lambda window: window.growth, unit="1/s", samples=4, least=-math.inf
+    ),
 }
 
 

@@ -27,10 +27,15 @@ def verdict_rows(content: Mapping[str, Any]) -> list[Row]:
             each["label"] or each["target"],
             f"{each['predicate']} {_expected(each)}",
             human(each["measured"], each["unit"]),
-            "met" if each["passed"] else "NOT MET",
+            "met" if each["passed"] else _missed(each),
         )
         for each in content["expectations"]
     ]
+
+
+def _missed(verdict: Mapping[str, Any]) -> str:
+    lacking = verdict.get("lacking")  # summaries of 0.1.0 have none
+    return f"NOT MET: {lacking}" if lacking else "NOT MET"
 
 
 def measure_rows(content: Mapping[str, Any]) -> list[Row]:

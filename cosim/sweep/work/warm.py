@@ -15,11 +15,12 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.record.memory import extremes_of, run_in_memory
 from cosim.record.playback import KINDS
 from cosim.record.reader import Run
-from cosim.report.expectation import Expectation, parse_expectations
+from cosim.report.expectation import Expectation
 from cosim.report.judged import Judged, judge
 from cosim.report.measures import signals_of
 from cosim.report.platform import find_platform
 from cosim.report.target import Target, parse_target
+from cosim.report.verdict.reading import parse_expectations
 from cosim.report.window import MEASURES
 from cosim.scenario import Kind, Scenario
 from cosim.sweep.job import Job, RunResult, Task
@@ -146,12 +147,12 @@ class Warm:
     def _looked_at(self, scenario: Scenario, groups: Sequence[RecordGroup]) -> set[str]:
         """The signals that anybody asks for; everything else is not recorded."""
         columns = {column.name: column for group in groups for column in group.columns}
-        self._units = {name: column.unit or "" for name, column in columns.items()}
+        self._groups = tuple(groups)
         found = signals_of(find_platform(columns))
-        for expectation in parse_expectations(scenario, self._units):
+        for expectation in parse_expectations(scenario, self._groups):
             found |= set(expectation.target.signals if expectation.target is not None else ())
         for text, name in self._job.readings:
-            target = parse_target(text, self._units)
+            target = parse_target(text, columns)
             self._readings.append((f"{text} {name}", target, name))
             found |= set(target.signals)
         return found
@@ -161,7 +162,7 @@ class Warm:
         key = (id(scenario.expect), scenario.ticks)
         kept = self._expected.get(key)
         if kept is None or kept[0] is not scenario.expect:
-            kept = scenario.expect, parse_expectations(scenario, self._units)
+            kept = scenario.expect, parse_expectations(scenario, self._groups)
             self._expected[key] = kept
         return kept[1]
 

@@ -12,8 +12,8 @@ from cosim.base.recording import MemorySink
 from cosim.master.run.simulation import assemble
 from cosim.reading import load
 from cosim.record.memory import extremes_of, run_in_memory
-from cosim.report.expectation import parse_expectations
 from cosim.report.judged import judge
+from cosim.report.verdict.reading import parse_expectations
 from cosim.scene import describe_scene
 from tests.support.master.master_support import scenario_of
 
@@ -27,8 +27,7 @@ def judged(sets: Sequence[str]) -> tuple[dict[str, float], list[str], set[str]]:
     with assemble(scenario) as simulation:
         outcome = simulation.run(sink)
     run = run_in_memory(sink, {"exit": {"ticks": outcome.ticks}})
-    units = {name: signal.unit for name, signal in run.signals.items()}
-    found = judge(run, parse_expectations(scenario, units), extremes_of(sink))
+    found = judge(run, parse_expectations(scenario, run.record_groups), extremes_of(sink))
     return found.measures, [str(verdict) for verdict in found.verdicts], set(run.signals)
 
 

@@ -68,8 +68,7 @@ def _suite(end: RunEnd) -> ET.Element:
     for verdict in content.get("expectations", []):
         case = ET.Element("testcase", classname=_clean(end.name), name=_clean(_claim(verdict)))
         if not verdict["passed"]:
-            measured = _shown(verdict["measured"], verdict["unit"])
-            ET.SubElement(case, "failure", message=_clean(f"measured {measured}"))
+            ET.SubElement(case, "failure", message=_clean(f"measured {_measured(verdict)}"))
             failed += 1
         cases.append(case)
     suite = ET.Element("testsuite", name=_clean(end.name), tests=str(len(cases)))
@@ -94,9 +93,13 @@ def _claim(verdict: Mapping[str, Any]) -> str:
     return f"{verdict['target']}{label} {verdict['predicate']} {limit}"
 
 
+def _measured(verdict: Mapping[str, Any]) -> str:
+    value = verdict["measured"]
+    found = None if value is None else _shown(value, verdict["unit"])
+    return ", but ".join(part for part in (found, verdict["lacking"]) if part)
+
+
 def _shown(value: Any, unit: str) -> str:
-    if value is None:
-        return "nothing in this window"
     numbers = cast("list[float]", value if isinstance(value, list) else [value])
     text = " to ".join(f"{number:g}" for number in numbers)
     return f"{text} {unit}".rstrip()

@@ -13,8 +13,8 @@ from cosim.master.run.whereabouts import Whereabouts
 from cosim.record.manifest import conclude, write_json, write_manifest
 from cosim.record.reader import RUN_FILE, open_run
 from cosim.record.rewriting.compact import compact
-from cosim.report.expectation import parse_expectations
 from cosim.report.summary import SUMMARY_FILE, Summary, summarise
+from cosim.report.verdict.reading import parse_expectations
 from cosim.run import LOG_FILE, Finished, write_log
 from cosim.scenario import Scenario
 
@@ -87,11 +87,6 @@ def _finish_for(
             manifest["exit"] = {**manifest["exit"], "status": 1, "message": message}
         write_manifest(folder, manifest)
         run.manifest = manifest
-        units = {
-            signal.column.name: signal.column.unit or ""
-            for group in run.groups.values()
-            for signal in group.signals.values()
-        }
-        content = dict(summarise(run, parse_expectations(scenario, units)).content)
+        content = dict(summarise(run, parse_expectations(scenario, run.record_groups)).content)
     write_json(folder / SUMMARY_FILE, content)
     return Finished(folder, Summary(content), RunError(message))
