@@ -119,7 +119,11 @@ def test_any_text_gives_xml_that_can_be_read(
 ) -> None:
     verdict = {"target": name, "label": label, "predicate": "below", "threshold": 1.0, "unit": "N"}
     content = {"status": 1, "message": message, "run": name}
-    content |= {"expectations": [{**verdict, "measured": value, "passed": False}]}
+    content |= {
+        "expectations": [
+            {**verdict, "measured": value, "passed": False, "lacking": message or None}
+        ]
+    }
     root = ET.fromstring(junit([RunEnd(name, content), RunEnd(name, None, RunError(message))]))
     assert root.get("tests") == "3"
     assert len(list(root.iter("failure"))) == int(root.get("failures") or 0) == 1

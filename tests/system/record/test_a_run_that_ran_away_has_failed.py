@@ -61,6 +61,17 @@ def test_who_expects_it_is_the_judge(tmp_path: Path) -> None:
     assert (status, summary["runaways"], summary["passed"]) == (0, [], True)
 
 
+@pytest.mark.parametrize("limit", ["max_abs_above: 1", "min_below: 1e9 km", "max_above: 99 m"])
+def test_who_expects_something_else_is_not(limit: str, tmp_path: Path) -> None:
+    status, summary = run(tmp_path, DIVERGES + f"expect: {{hand.position: {{{limit}}}}}\n")
+    if "km" in limit:  # a scale of its own, stated
+        assert (status, summary["passed"]) == (0, True)
+        return
+    assert (status, summary["passed"]) == (1, False)
+    assert "hand.position ran away" in summary["failures"][0]
+    assert len(summary["runaways"]) == 1
+
+
 def test_nothing_recorded_is_said_and_runs(tmp_path: Path) -> None:
     text = DIVERGES.replace("record: [hand.position]", "record: []")
     status, summary = run(tmp_path, text)

@@ -196,7 +196,7 @@ def test_a_predicate_is_met_or_not_as_its_threshold_says(predicate, window, verd
 def test_a_window_says_what_is_measured(key, other, named, tmp_path) -> None:
     def measured(name: str, over: dict[str, Any]) -> Any:
         conditions = {"amplitude_below": 1e9, "max_below": 1e9, "min_below": 1e9, "from": 0.01}
-        conditions |= {"to": 0.07, "frequency": 100, **over}
+        conditions |= {"to": 0.07, "frequency": 400, **over}
         expect = {"a.x": {"part": conditions} if named else conditions}
         return effect(document({"expect": expect}), tmp_path / name)["expectations"]
 
