@@ -64,8 +64,8 @@ def bare_everywhere(scenario: str, runs: int, workers: int) -> Cost:
 
 
 def plan_for(scenario: str, runs: int, **more: object) -> SweepPlan:
-    given = {"sets": ["duration=0.5 s", "expect=~"], "check_every": 100, **more}
-    return plan_of(Request(scenario=scenario, seeds=runs, **given), FORMS)  # type: ignore[arg-type]
+    given = {"sets": ["duration=0.5 s", "expect=~"], "check_every": 100, "seeds": runs, **more}
+    return plan_of(Request(scenario=scenario, **given), FORMS)  # type: ignore[arg-type]
 
 
 def swept(plan: SweepPlan, pool: LocalPool, numbers: range) -> Cost:
@@ -91,6 +91,7 @@ def compare(
     title: str, scenario: str, runs: int, workers: int, rounds: int, **more: object
 ) -> None:
     plan = plan_for(scenario, runs, **more)
+    has_bare = "start" not in more
     part = runs // rounds
     ratios: list[float] = []
     sums = [0.0, 0.0]
@@ -100,7 +101,7 @@ def compare(
         pool.start()
         up = time.perf_counter() - began
         for turn in range(rounds):
-            loops = bare_everywhere(scenario, part, workers) if not more else None
+            loops = bare_everywhere(scenario, part, workers) if has_bare else None
             wall = swept(plan, pool, range(turn * part, (turn + 1) * part))
             if loops is not None:
                 ratios.append(wall.wall / loops.wall)
@@ -111,31 +112,41 @@ def compare(
     ratios.sort()
     print(f"{title}: {runs} runs, {workers} workers, up after {up:.2f} s")
     if ratios:
-        print(f"  bare sum of loops / workers {sums[0]:.2f} s, sweep {sums[1]:.2f} s")
+        print(f"  bare sum of loops / workers {sums[0]:.2f} s, sweep {sums[1]:.2f} s", end="; ")
+        rates = [part * rounds / workers / seconds for seconds in sums]
+        print(f"{rates[0]:.0f} and {rates[1]:.0f} runs a second and worker")
         print(f"  ratio {sums[1] / sums[0]:.2f} in all; of {rounds} rounds the median", end=" ")
         print(f"{ratios[len(ratios) // 2]:.2f}, the best {ratios[0]:.2f}")
         print(f"  processor time: loops {used[0]:.2f} s, sweep {used[1]:.2f} s,", end=" ")
-        print(f"ratio {used[1] / used[0]:.2f}")
+        print(f"ratio {used[1] / used[0]:.2f};", end=" ")
+        print("{:.0f} and {:.0f} runs a second of it".format(*(part * rounds / u for u in used)))
     else:
         print(f"  sweep {sums[1]:.2f} s, {1e3 * sums[1] * workers / runs:.2f} ms a run and worker")
 
 
-def single(runs: int) -> None:
+def single(title: str, runs: int, rounds: int, **more: object) -> None:
     """Single-axis half seconds a second and processor, in this process alone."""
-    plan = plan_for(AXIS, runs, check_every=0)
+    plan = plan_for(AXIS, runs, check_every=0, **more)
     settle()
+    loops, runner_cost, part = Cost(0, 0), Cost(0, 0), len(plan.points) // rounds
     with PointRunner(plan.job) as runner:
         tasks = [Task(n, point, str(n)) for n, point in enumerate(plan.points)]
         for task in tasks[:20]:
             runner.run(task)
-        wall, used = time.perf_counter(), time.process_time()
-        for task in tasks:
-            runner.run(task)
-        wall, used = time.perf_counter() - wall, time.process_time() - used
-    loops = bare(AXIS, runs)
-    print(f"single axis, half a second: {runs / wall:.0f} a second ({runs / used:.0f} a second of")
-    print(f"  processor time), bare loops alone {runs / loops.wall:.0f} a second", end=" ")
-    print(f"({runs / loops.used:.0f} a second of processor time)")
+        for turn in range(rounds):
+            wall, used = time.perf_counter(), time.process_time()
+            for task in tasks[turn * part : (turn + 1) * part]:
+                runner.run(task)
+            wall, used = time.perf_counter() - wall, time.process_time() - used
+            runner_cost = Cost(runner_cost.wall + wall, runner_cost.used + used)
+            one = bare(AXIS, part)
+            loops = Cost(loops.wall + one.wall, loops.used + one.used)
+    done = part * rounds
+    print(f"{title}, in one process: {done / runner_cost.wall:.0f} runs a second", end=" ")
+    print(f"({done / runner_cost.used:.0f} of processor time), bare", end=" ")
+    print(f"loops {done / loops.wall:.0f} ({done / loops.used:.0f})")
+    print(f"  ratio {runner_cost.wall / loops.wall:.2f}, of processor time", end=" ")
+    print(f"{runner_cost.used / loops.used:.2f}")
 
 
 def _first(plan: SweepPlan):
@@ -156,6 +167,10 @@ def main() -> None:
         return
     workers = processors()
     compare("half a second of two_users_box", BOX, chosen.runs, workers, chosen.rounds)
+    axis = "half a second of single_axis_distributed"
+    compare(axis, AXIS, 2 * chosen.runs, workers, chosen.rounds)
+    unchecked = {"check_every": 0}
+    compare(f"{axis}, none checked", AXIS, 2 * chosen.runs, workers, chosen.rounds, **unchecked)
     compare(
         "the half second after 2 s, begun there",
         BOX,
@@ -165,7 +180,10 @@ def main() -> None:
         start="2 s",
         sets=["duration=2.5 s", "expect=~", "channels.lan.loss=0.1"],
     )
-    single(chosen.runs // 2)
+    single(f"{axis} by seeds", chosen.runs // 2, chosen.rounds)
+    grid = {"components.coupler_11.parameters.stiffness": "100..2000/40"}
+    grid["components.object_1.parameters.mass"] = "0.1..1/50"
+    single(f"{axis} by stiffness and mass", 0, chosen.rounds, seeds=None, vary=grid)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ class Kind(StrEnum):
     TABLE = "table"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)  # no slots: see ``cosim.base.changed``
 class ScenarioComponent:
     """One thing with inputs and outputs, and how often it steps."""
 
@@ -197,7 +197,7 @@ class Event:
     """Where it is in the document, for what is wrong with it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)  # no slots: see ``cosim.base.changed``
 class Scenario:
     """A complete, checked scenario. Make one with :func:`cosim.scenario.load`."""
 

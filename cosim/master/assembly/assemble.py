@@ -28,7 +28,7 @@ Only = Callable[[Sequence[RecordGroup]], Collection[str]]
 """Told what would be recorded; says which signals are."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # no slots: see ``cosim.base.changed``
 class Assembly:
     """A scenario, read, checked, wired, planned and laid out; nothing has run yet."""
 

@@ -28,7 +28,7 @@ def follow_rates(
     for name, participant in participants.items():
         own = Fraction(participant.period, participant.substeps)
         for variable in participant.interface.variables.values():
-            if variable.causality is not Causality.PARAMETER:
+            if variable.meaning is None or variable.causality is not Causality.PARAMETER:
                 continue
             match variable.meaning:
                 case Meaning.SAMPLE_PERIOD:

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from operator import attrgetter, is_
 
+from cosim.base.changed import changed as with_members
 from cosim.base.document.problems import Problems
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.files import with_files
@@ -17,11 +19,15 @@ from cosim.master.assembly.knobs import Knobs
 from cosim.master.assembly.rates import follow_rates
 from cosim.master.assembly.turned import read_knobs
 from cosim.master.assembly.wiring import Bundle, Wiring
+from cosim.master.channels.fates import Fates
 from cosim.master.components.participant import Participant
 from cosim.master.components.participants import other_values
 from cosim.scenario import Channel, Direction, Scenario, ScenarioComponent
 
-_BUT_THE_SEED = tuple(each.name for each in fields(Scenario) if each.name != "seed")
+_all_but_the_seed = attrgetter(*(m.name for m in fields(Scenario) if m.name != "seed"))
+_all_but_values = attrgetter(
+    *(m.name for m in fields(ScenarioComponent) if m.name not in {"parameters", "start"})
+)
 _STRUCTURE = ("base_rate", "start_tick", "rates", "record")
 
 
@@ -33,8 +39,8 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
     Raises:
         InputError: a value cannot be used, or ``InputErrors`` for several, each with its place.
     """
-    asked = scenario
-    if all(getattr(assembly.asked, name) is getattr(scenario, name) for name in _BUT_THE_SEED):
+    asked, channels = scenario, scenario.channels
+    if all(map(is_, _all_but_the_seed(assembly.asked), _all_but_the_seed(scenario))):
         return _with_seed(assembly, scenario)
     before = assembly.scenario
     if any(getattr(before, name) != getattr(scenario, name) for name in _STRUCTURE):
@@ -49,7 +55,8 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
     others: dict[str, Participant] = {}
     for name in changed:
         with problems.at(("components", name)):
-            participant = other_values(participants[name], scenario.components[name], problems)
+            old, new = before.components[name], scenario.components[name]
+            participant = other_values(participants[name], old, new, problems)
             if participant is None:
                 return None
             others[name] = participant
@@ -62,23 +69,26 @@ def with_values(assembly: Assembly, scenario: Scenario) -> Assembly | None:
         # Names of files are absolute in an assembled scenario; the others' are so already.
         kept = {n: before.components[n] for n in scenario.components if n not in others}
         scenario = with_files(scenario, others)
-        scenario = replace(scenario, components={**scenario.components, **kept})
+        scenario = with_members(scenario, components={**scenario.components, **kept})
         follow_rates(scenario, others, problems)
     elif scenario.components is not before.components:
-        scenario = replace(scenario, components=before.components)
+        scenario = with_members(scenario, components=before.components)
     knobs = Knobs(scenario, participants)
     if assembly.knobs.all:
         knobs = read_knobs(scenario, participants, problems)
     problems.raise_if_any()
-    bundles = _bundles(assembly.wiring, scenario, knobs)
-    if bundles is None or knobs.ranges() != assembly.knobs.ranges():
-        return None
-    return replace(
+    wiring = assembly.wiring
+    if assembly.knobs.all or scenario.seed != before.seed or channels is not before.channels:
+        bundles = _bundles(wiring, scenario, knobs)
+        if bundles is None or knobs.ranges() != assembly.knobs.ranges():
+            return None
+        wiring = Wiring(wiring.wires, bundles, wiring.notes, wiring.connection_of)
+    return with_members(
         assembly,
         scenario=scenario,
         participants=participants,
         knobs=knobs,
-        wiring=replace(assembly.wiring, bundles=bundles),
+        wiring=wiring,
         asked=asked,
     )
 
@@ -87,20 +97,23 @@ def _with_seed(assembly: Assembly, asked: Scenario) -> Assembly:
     """The assembly of a scenario that has another seed, and nothing else: the quick way."""
     wiring = assembly.wiring
     bundles = [
-        bundle
-        if bundle.channel is None
-        else replace(
-            bundle,
-            fates=bundle.fates.again(asked.seed, bundle.fates.direction, bundle.fates.extremes),
-        )
-        for bundle in wiring.bundles
+        each if each.channel is None else _drawn_anew(each, asked.seed) for each in wiring.bundles
     ]
-    return replace(
+    return with_members(
         assembly,
-        scenario=replace(assembly.scenario, seed=asked.seed),
+        scenario=with_members(assembly.scenario, seed=asked.seed),
         wiring=Wiring(wiring.wires, bundles, wiring.notes, wiring.connection_of),
         asked=asked,
     )
+
+
+def _drawn_anew(bundle: Bundle, seed: int) -> Bundle:
+    fates = bundle.fates
+    return _with_fates(bundle, fates.again(seed, fates.direction, fates.extremes))
+
+
+def _with_fates(one: Bundle, fates: Fates) -> Bundle:
+    return Bundle(one.name, one.channel, one.way, one.period, fates, one.entries)
 
 
 def _changed(before: Scenario, after: Scenario) -> list[str] | None:
@@ -116,7 +129,7 @@ def _changed(before: Scenario, after: Scenario) -> list[str] | None:
         new = after.components[name]
         if new is old:
             continue
-        if replace(old, parameters={}, start={}) != replace(new, parameters={}, start={}):
+        if _all_but_values(old) != _all_but_values(new):
             return None
         if _values(old) != _values(new):
             changed.append(name)
@@ -149,7 +162,7 @@ def _bundles(wiring: Wiring, scenario: Scenario, knobs: Knobs) -> list[Bundle] |
         direction = channel.forward if bundle.way == "forward" else channel.backward
         extremes = knobs.extremes(channel.name, bundle.way)
         fates = bundle.fates.again(scenario.seed, direction, extremes)
-        other = replace(bundle, fates=fates)
+        other = _with_fates(bundle, fates)
         if not fates.has_ways_of(bundle.fates) and (
             other.can_be_immediate != bundle.can_be_immediate
         ):

@@ -68,11 +68,11 @@ class Packets:
 
     def rewind(self, bundles: Sequence[Bundle], layout: Layout) -> bool:
         """Be before the first packet again; ``False`` where there may have to be other tables."""
-        pairs = zip(self.bundles, bundles, strict=True)
-        if not all(one.fates.has_ways_of(two.fates) for one, two in pairs):
-            return False
+        for one, two in zip(self.bundles, bundles, strict=True):
+            if one.fates is not two.fates and not one.fates.has_ways_of(two.fates):
+                return False
         self.bundles = bundles
-        self._streams = [bundle.fates.begin() for bundle in bundles]
+        self._streams = [FateStream(bundle.fates) for bundle in bundles]
         ctypes.memmove(self.structs, self._first, len(self._first))
         for number in range(len(bundles)):
             self._cells[layout.sequence[number]] = -1

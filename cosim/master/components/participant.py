@@ -21,7 +21,7 @@ Factory = Callable[[scenarios.ScenarioComponent], Component]
 """Makes the component of a kind that is handed in."""
 
 
-@dataclass(slots=True)
+@dataclass  # no slots: see ``cosim.base.changed``
 class Participant:
     """A component that was read and checked, but does not run yet."""
 

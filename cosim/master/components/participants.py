@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 from cosim import scenario as scenarios
+from cosim.base.changed import changed
 from cosim.base.component import Causality, Component
 from cosim.base.document.problems import Problems
 from cosim.master.assembly.clock import Clock
@@ -46,9 +46,12 @@ def read_participants(
 
 
 def other_values(
-    participant: Participant, written: scenarios.ScenarioComponent, problems: Problems
+    participant: Participant,
+    before: scenarios.ScenarioComponent,
+    written: scenarios.ScenarioComponent,
+    problems: Problems,
 ) -> Participant | None:
-    """The same component with other parameters and start values.
+    """The same component with other parameters and start values than were written ``before``.
 
     ``None`` where they change what it is: a structural parameter, or a device.
 
@@ -59,19 +62,19 @@ def other_values(
         return None
     if participant.component is not None:
         parameters, start = python_values(written, participant.interface, problems)
-        return replace(participant, parameters=parameters, start=start)
+        return changed(participant, parameters=parameters, start=start)
     description = participant.fmu
     assert description is not None
-    structural = {
-        name
-        for name, variable in description.variables.items()
-        if variable.causality is Causality.STRUCTURAL_PARAMETER
-    }
+    structural, variables = Causality.STRUCTURAL_PARAMETER, description.variables
     parameters = fmu_values(written, description, "parameters", written.parameters, problems)
-    if any(parameters.get(name) != participant.parameters.get(name) for name in structural):
-        return None
-    start = fmu_values(written, description, "start", written.start, problems)
-    return replace(participant, parameters=parameters, start=start)
+    for name in parameters.keys() | participant.parameters.keys():
+        differs = parameters.get(name) != participant.parameters.get(name)
+        if differs and name in variables and variables[name].causality is structural:
+            return None
+    start = participant.start
+    if written.start is not before.start:
+        start = fmu_values(written, description, "start", written.start, problems)
+    return changed(participant, parameters=parameters, start=start)
 
 
 def _bundled(model: str, flavour: str) -> Path:

@@ -71,6 +71,8 @@ class Program:
         self.operations: Operations
         """Written by ``compile``, as what follows is."""
         self.instances: Any
+        self._warnings: NDArray[np.int64]
+        """How many each FMU has returned, among ``instances``."""
         self.records: Any
         self._operation_array: Any
         self._programs: DuePrograms
@@ -114,6 +116,7 @@ class Program:
         )
         self.numbers = self.operations.instances
         self.instances = (InstanceStruct * max(len(natives), 1))()
+        self._warnings = np.frombuffer(self.instances, np.dtype(InstanceStruct))["warnings"]
         for name, number in self.numbers.items():
             self.instances[number] = self._instance(name, natives[name])
         self.records = (RecordStruct * max(len(columns), 1))()
@@ -154,8 +157,8 @@ class Program:
 
     def warnings(self) -> dict[str, int]:
         """The warnings that FMUs have returned, by component."""
-        counts = {name: self.instances[number].warnings for name, number in self.numbers.items()}
-        return {name: count for name, count in counts.items() if count}
+        counts: list[int] = self._warnings.tolist() if self.numbers else []
+        return {name: counts[number] for name, number in self.numbers.items() if counts[number]}
 
     def warn(self, component: str) -> None:
         """An FMU has returned a warning when its texts were passed."""
@@ -163,8 +166,11 @@ class Program:
 
     def set_warnings(self, counts: Mapping[str, int]) -> None:
         """Count on from the warnings of an earlier part of the run, by component."""
-        for name, number in self.numbers.items():
-            self.instances[number].warnings = int(counts.get(name, 0))
+        if not self.numbers:
+            return
+        self._warnings[:] = 0
+        for name, number in self.numbers.items() if counts else ():
+            self._warnings[number] = int(counts.get(name, 0))
 
     def begin_events(self, component: str, phase: int) -> int:
         """The kernel's outcome of an FMU's events before tick 0, where its event mode is used.

@@ -63,6 +63,8 @@ class Turning:
 
     def write_events(self, kernel: KernelStruct, turns: Sequence[Turn]) -> None:
         """What the kernel turns by itself, in the order of the ticks."""
+        if not turns and not self._ticks and kernel.changes:
+            return
         changes = [
             (turn.tick, self._layout.wanted[turn.name] + index, bits)
             for turn in turns

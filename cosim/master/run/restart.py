@@ -35,6 +35,9 @@ class Restart:
         self._values: list[tuple[Any, Any]] = [(None, None)] * len(fmus)
         self._kept: list[Any] = [None] * len(fmus)
         self._times: Times | None = None
+        self._participants: Mapping[str, Participant] | None = None
+        self._is_under_way = False
+        """Between ``begin`` and ``leave``; the FMUs themselves are told only if it ends there."""
 
     def begin(self, participants: Mapping[str, Participant], times: Times) -> bool:
         """Reset, set all values, enter initialisation mode; ``False`` where one is not well."""
@@ -42,20 +45,21 @@ class Restart:
             for place, name in enumerate(self._names):
                 self._table[place].start, self._table[place].stop = times[name]
             self._times = times
-        for place, name in enumerate(self._names):
-            participant = participants[name]
-            parameters, start = self._values[place]
-            if participant.parameters is parameters and participant.start is start:
-                continue
-            if not self._take(place, participant):
-                return False
-        count = len(self._fmus)
-        for fmu in self._fmus:
-            fmu.entered_initialisation()
+        if participants is not self._participants and not self._take_values(participants):
+            return False
+        count, self._is_under_way = len(self._fmus), True
         refused: int = library().kernel_restart(ctypes.addressof(self._table), count)
         if refused < count:
+            self.abandon()
             self._fmus[refused].judge(self._table[refused].status)
         return refused == count
+
+    def abandon(self) -> None:
+        """The FMUs are on their own again, wherever they have come to."""
+        if self._is_under_way:
+            self._is_under_way = False
+            for fmu in self._fmus:
+                fmu.entered_initialisation()
 
     def leave(self, scenario: Scenario) -> None:
         """Leave initialisation mode.
@@ -66,11 +70,27 @@ class Restart:
         """
         count = len(self._fmus)
         place: int = library().kernel_leave_initialisation(ctypes.addressof(self._table), count)
-        for fmu in self._fmus[:place]:
-            fmu.left_initialisation(OK)
-        if place < count:
+        if place == count:
+            self._is_under_way = False
+        else:
+            self.abandon()
+            for fmu in self._fmus[:place]:
+                fmu.left_initialisation(OK)
             with placed_refusal(scenario, self._names[place]):
                 self._fmus[place].left_initialisation(self._table[place].status)
+
+    def _take_values(self, participants: Mapping[str, Participant]) -> bool:
+        """Have all values ready; ``False`` where one does not fit its type."""
+        self._participants = None
+        for place, name in enumerate(self._names):
+            participant = participants[name]
+            parameters, start = self._values[place]
+            if participant.parameters is parameters and participant.start is start:
+                continue
+            if not self._take(place, participant):
+                return False
+        self._participants = participants
+        return True
 
     def _take(self, place: int, participant: Participant) -> bool:
         """Have an FMU's values ready; ``False`` where one does not fit its type."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from types import TracebackType
 from typing import Any
 
@@ -111,6 +112,7 @@ class Simulation:
         pauses: Mapping[int, Pause] | None = None,
         keep_fmus: bool = False,
         mark_at_end: bool = False,
+        briefly: bool = False,
     ) -> Outcome:
         """Run to tick ``until`` (the scenario's end unless given), from ``restore``'s tick or 0.
 
@@ -120,7 +122,9 @@ class Simulation:
         anything of the tick is done by which they are kept; not with ``drive``.
         Every component is closed at the end; with ``keep_fmus`` the FMUs only by ``close`` or
         ``finish``, so that one which dies of it finds the record finished. With ``mark_at_end``
-        nothing is closed, and later runs begin where this one ended (``branch``).
+        nothing is closed, and later runs begin where this one ended (``branch``). ``briefly``: the
+        outcome only says how far the run came, for somebody who asks for neither packets nor
+        warnings.
 
         Raises:
             InputError: a component refuses its parameters or cannot be loaded.
@@ -130,10 +134,9 @@ class Simulation:
         end = self.scenario.ticks if until is None else until
         interrupted, ended_by = False, ""
         try:
-            with without_collecting():
-                if not self._branching.has_begun:
-                    last = self.scenario.ticks if mark_at_end else end
-                    self._start(last, recorded=sink is not None)
+            if not self._branching.has_begun:
+                last = self.scenario.ticks if mark_at_end else end
+                self._start(last, recorded=sink is not None)
             self.program.texts.record_into(sink)
             if sink is not None:
                 sink.begin(self.groups, self.scenario.base_rate)
@@ -153,7 +156,7 @@ class Simulation:
             ended_by = str(end_asked)
         finally:
             self.outcome = self._cycle.reached(
-                self._loop.wall_time, interrupted=interrupted, ended_by=ended_by
+                self._loop.wall_time, interrupted=interrupted, ended_by=ended_by, briefly=briefly
             )
             if not self._branching.has_begun:
                 self._cycle.close_components()
@@ -211,8 +214,7 @@ class Simulation:
             InputError: a component refuses its parameters or cannot be loaded.
             RunError: it failed.
         """
-        with without_collecting():
-            self._start(self.scenario.ticks if until is None else until, recorded=recorded)
+        self._start(self.scenario.ticks if until is None else until, recorded=recorded)
 
     def advance(self, tick: int, sink: Sink | None = None) -> None:
         """Run on to a tick, after ``start``; ``sink`` has begun.
@@ -312,7 +314,9 @@ class Simulation:
 
     def _start(self, end: int, *, recorded: bool, rehearsal: Told | None = None) -> None:
         told: Told = rehearsal or (lambda _who, _what: None)
-        self._cycle.start(end, told, recorded=recorded, rehearsal=rehearsal is not None)
+        # What is started again builds nothing.
+        with nullcontext() if self._cycle.has_started else without_collecting():
+            self._cycle.start(end, told, recorded=recorded, rehearsal=rehearsal is not None)
         self._end = end
         if self._restored is not None:
             go_on(self._cycle.kernel_run, self._restored, end=end, recorded=recorded)

@@ -8,9 +8,9 @@ of ``--set``; what came of it is kept, so that a grid builds each of those value
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
+from cosim.base.changed import changed as with_members
 from cosim.base.document.node import Node
 from cosim.scenario import Scenario
 from cosim.scenario.load import Written
@@ -122,9 +122,9 @@ def _with(scenario: Scenario, plain: Mapping[str, Value]) -> Scenario:
         _, name, _, parameter = place.split(".", 3)
         changed.setdefault(name, {})[parameter] = value
     if not changed:
-        return replace(scenario, seed=seed)
+        return with_members(scenario, seed=seed)
     components = dict(scenario.components)
     for name, values in changed.items():
         part = components[name]
-        components[name] = replace(part, parameters={**part.parameters, **values})
-    return replace(scenario, seed=seed, components=components)
+        components[name] = with_members(part, parameters={**part.parameters, **values})
+    return with_members(scenario, seed=seed, components=components)

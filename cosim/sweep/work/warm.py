@@ -111,7 +111,7 @@ class Warm:
         self._begun = True
         self._last = sink
         try:
-            outcome = self._simulation.run(sink, keep_fmus=True)
+            outcome = self._simulation.run(sink, keep_fmus=True, briefly=True)
         finally:
             late = self._simulation.finish()
         if late:
@@ -167,7 +167,10 @@ class Warm:
         return kept[1]
 
     def _sink(self, scenario: Scenario) -> MemorySink:
-        return self._sinks.setdefault(scenario.ticks, MemorySink(scenario.ticks))
+        sink = self._sinks.get(scenario.ticks)
+        if sink is None:
+            sink = self._sinks[scenario.ticks] = MemorySink(scenario.ticks)
+        return sink
 
     def _run_of(self, sink: MemorySink, ticks: int) -> Run:
         """The rows as a run; where all are there, they lie where those of the run before did."""

@@ -43,6 +43,8 @@ class RunningFmus:
         self._restart: Restart | None = None
         self._is_restarted = False
         self._kept_times: tuple[int, Times] | None = None
+        self._are_own: bool | None = None
+        """Whether none of them needs to be guarded; ``None`` before that was asked."""
 
     def refuse_lost(self) -> None:
         """Whether another run may be had.
@@ -50,9 +52,9 @@ class RunningFmus:
         Raises:
             RunError: an FMU was lost for good.
         """
-        lost = next((name for name, fmu in self.all.items() if fmu.is_lost), None)
-        if lost is not None:
-            raise RunError(f"{lost}: {AFTER_FATAL}.")
+        for name, fmu in self.all.items():
+            if fmu.is_lost:
+                raise RunError(f"{name}: {AFTER_FATAL}.")
 
     def prepare(self, end: int, told: Told) -> bool:
         """Have all FMUs, with their values, for a run to tick ``end``.
@@ -110,7 +112,7 @@ class RunningFmus:
 
     def close(self) -> None:
         """Free every FMU; may be called more than once."""
-        self._restart = None
+        self._give_up_restart()
         self.closing_error = self._let_go(list(self.all)) or self.closing_error
 
     def finish(self) -> str:
@@ -119,12 +121,16 @@ class RunningFmus:
         All that share a library are gone before it is loaded again. The first sentence about one
         that is not well, or nothing.
         """
+        if self._are_own:
+            return ""
         return self._let_go([name for name, fmu in self.all.items() if not fmu.is_trusted])
 
     @property
     def guarded(self) -> AbstractContextManager[None]:
         """``guarding`` all of them."""
-        return self.guarding(*self.all.values())
+        if self._are_own is None:
+            self._are_own = _are_own(self.all.values())
+        return _UNGUARDED if self._are_own else self._guard(*self.all.values())
 
     def guarding(self, *fmus: Fmu) -> AbstractContextManager[None]:
         """Put back what foreign FMUs, one of these, change of what belongs to the process.
@@ -132,8 +138,7 @@ class RunningFmus:
         Raises, inside:
             RunError: the process that one of them has for itself has ended.
         """
-        own = all(fmu.is_trusted and not fmu.is_isolated for fmu in fmus)
-        return _UNGUARDED if own else self._guard(*fmus)
+        return _UNGUARDED if _are_own(fmus) else self._guard(*fmus)
 
     @contextmanager
     def _guard(self, *fmus: Fmu) -> Generator[None]:
@@ -186,8 +191,13 @@ class RunningFmus:
             self._restart = Restart(self.all)
         if not self._failed and self._restart.begin(self.assembly.participants, times):
             return True
-        self._restart = None
+        self._give_up_restart()
         return False
+
+    def _give_up_restart(self) -> None:
+        if self._restart is not None:
+            self._restart.abandon()
+            self._restart = None
 
     def _let_go(self, names: Iterable[str]) -> str:
         """Free these; the first sentence about one that is not well, or nothing."""
@@ -220,7 +230,7 @@ class RunningFmus:
         self.closing_error = ""
         if sentence := self.finish():
             raise RunError(sentence)
-        scenario = self.assembly.scenario
+        scenario, self._are_own = self.assembly.scenario, None
         for name, participant in self.assembly.participants.items():
             if participant.fmu is None:
                 continue
@@ -246,3 +256,8 @@ class RunningFmus:
                 fmu.values.set(participant.parameters)
                 fmu.values.set(participant.start)
         self._failed.clear()
+
+
+def _are_own(fmus: Iterable[Fmu]) -> bool:
+    """Whether all are ours, in this process."""
+    return all(fmu.is_trusted and not fmu.is_isolated for fmu in fmus)

@@ -37,6 +37,11 @@ class LifeCycle:
         """Whether the program that was written records; ``None`` before there is one."""
 
     @property
+    def has_started(self) -> bool:
+        """Whether there was a run before."""
+        return self._compiled is not None
+
+    @property
     def state(self) -> tuple[Assembly, Program, Mapping[str, Fmu], Mapping[str, Component]]:
         """Everything that a state between two ticks consists of."""
         return self.assembly, self._program, self.fmus.all, self.components.all
@@ -78,12 +83,22 @@ class LifeCycle:
         self._program.rewind(assembly.wiring)
         self._program.turning.rewind(assembly.knobs.all)
 
-    def reached(self, wall_time: float, *, interrupted: bool, ended_by: str) -> Outcome:
-        """How far the run came; ``ended_by`` is the sentence of who asked for its end."""
+    def reached(
+        self, wall_time: float, *, interrupted: bool, ended_by: str, briefly: bool = False
+    ) -> Outcome:
+        """How far the run came; ``ended_by`` is the sentence of who asked for its end.
+
+        What was counted on the way is left out with ``briefly``.
+        """
         program = self._program
+        # The tick in which a model comes to its end has been recorded.
+        ticks = program.kernel.tick + bool(ended_by)
+        if briefly:
+            return Outcome(
+                ticks=ticks, wall_time=wall_time, interrupted=interrupted, ended_by=ended_by
+            )
         return Outcome(
-            # The tick in which a model comes to its end has been recorded.
-            ticks=program.kernel.tick + bool(ended_by),
+            ticks=ticks,
             wall_time=wall_time,
             interrupted=interrupted,
             channels=program.packets.counts(),

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.components.interface import has_cells
 from cosim.master.components.parameters import element_start
-from cosim.master.components.participant import Values
 from cosim.master.kernel.program import Program
 
 
@@ -19,19 +16,20 @@ class StartValues:
 
     def __init__(self, program: Program) -> None:
         self._program = program
-        self._kept: tuple[Mapping[str, Values], NDArray[np.int64]] | None = None
+        self._kept: NDArray[np.int64] | None = None
+        self._kept_of: Assembly | None = None
 
     def fill(self, assembly: Assembly) -> None:
         """Give every variable, dial and held value of a bundle what it starts from."""
-        program = self._program
-        start = {name: each.start for name, each in assembly.participants.items()}
-        start["knobs"] = {".".join(name): k.start for name, k in assembly.knobs.all.items()}
+        program, before = self._program, self._kept_of
         program.texts.table.clear()
-        if self._kept is not None and self._kept[0] == start and not program.texts.are_there:
-            program.cells[:] = self._kept[1]
+        self._kept_of = assembly
+        is_kept = self._kept is not None and not program.texts.are_there
+        if is_kept and before is not None and _start_alike(before, assembly):
+            program.cells[:] = self._kept
             return
         self._write(assembly)
-        self._kept = start, program.cells.copy()
+        self._kept = program.cells.copy()
 
     def _write(self, assembly: Assembly) -> None:
         program = self._program
@@ -50,3 +48,15 @@ class StartValues:
                 if entry.target is not None:
                     start = program.cells[assembly.layout.of(entry.target)]
                     program.cells[held + index] = start
+
+
+def _start_alike(one: Assembly, other: Assembly) -> bool:
+    if one.participants is not other.participants:
+        for name, each in other.participants.items():
+            before = one.participants[name].start
+            if each.start is not before and each.start != before:
+                return False
+    if one.knobs is other.knobs:
+        return True
+    starts = [{n: k.start for n, k in each.knobs.all.items()} for each in (one, other)]
+    return starts[0] == starts[1]
