@@ -24,17 +24,18 @@ from cosim.master.fmu.reading import read_description
 def read_fmu(
     written: scenarios.ScenarioComponent,
     bundled: Callable[[str, str], Path],
+    read: Callable[[Path], FmuDescription],
     clock: Clock,
     problems: Problems,
 ) -> Participant:
-    """Read an FMU; ``bundled`` finds one of ours by model and flavour.
+    """Read an FMU; ``bundled`` finds one of ours by model and flavour, ``read`` describes it.
 
     Raises:
         InputError: it cannot be used.
     """
     own, source = written.is_bundled, written.source
     path = bundled(source, written.flavour) if own else Path(source)
-    description = read_description(path)
+    description = read(path)
     find_binary(description)
     if written.is_strict and description.breaks:
         raise InputError(f"the modelDescription.xml of {path} {_broken(description)}")

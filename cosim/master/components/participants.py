@@ -14,6 +14,7 @@ from cosim.master.assembly.clock import Clock
 from cosim.master.components.fmu_participant import fmu_values, read_fmu
 from cosim.master.components.participant import Factory, Participant
 from cosim.master.components.python_participant import python_values, read_python, supplied
+from cosim.master.fmu.reading import read_description
 from cosim.scenario import Kind, Scenario
 
 
@@ -30,11 +31,12 @@ def read_participants(
     ``kinds`` makes the components of further kinds, or of one in place of what is here.
     """
     found: dict[str, Participant] = {}
-    bundled = cache(_bundled)
+    # Each file is looked after once, however many components are made of it.
+    bundled, read = cache(_bundled), cache(read_description)
     for name, written in scenario.components.items():
         with problems.at(("components", name)):
             participant = (
-                read_fmu(written, bundled, clock, problems)
+                read_fmu(written, bundled, read, clock, problems)
                 if written.kind is Kind.FMU
                 else read_python(
                     written, problems, supplied(written, scenario, instances or {}, kinds or {})

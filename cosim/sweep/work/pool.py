@@ -17,13 +17,13 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
 from selectors import EVENT_READ, DefaultSelector
 from types import TracebackType
 from typing import IO
 
 from cosim.base.errors import RunError
 from cosim.sweep.job import Job, RunResult, Task
+from cosim.sweep.work.message_socket import MessageSocket
 from cosim.sweep.work.messages import READY, ResultReader, task_bytes
 from cosim.sweep.work.traces import last_words, room_in
 from cosim.sweep.work.variants import Variants
@@ -41,7 +41,7 @@ _NO_START = 3
 @dataclass(slots=True)
 class _Worker:
     process: subprocess.Popen[bytes]
-    pipe: Connection
+    pipe: MessageSocket
     traces: IO[bytes]
     """What its runs are doing."""
     given: deque[Task] = field(default_factory=deque[Task])
@@ -80,7 +80,8 @@ class LocalPool:
             self._workers.append(self._hire())
         for worker in self._workers:
             with suppress(EOFError, OSError):
-                worker.pipe.recv_bytes()
+                while READY not in worker.pipe.receive():
+                    pass
 
     @property
     def processes(self) -> list[int]:
@@ -138,20 +139,21 @@ class LocalPool:
             worker.began = time.monotonic()
         worker.given.append(task)
         with suppress(OSError):  # a worker that is dead is found so when it is heard
-            worker.pipe.send_bytes(task_bytes(task))
+            worker.pipe.send(task_bytes(task))
 
     def _hear(self, worker: _Worker, again: deque[Task], alone: deque[Task]) -> Iterator[RunResult]:
         try:
-            said = worker.pipe.recv_bytes()
+            messages = worker.pipe.receive()
         except (EOFError, OSError):
             yield from self._bury(worker, again, alone)
             return
-        if said == READY:
+        for said in messages:
+            if said == READY:
+                worker.began = time.monotonic()
+                continue
+            worker.answered, self._stillborn = True, 0
             worker.began = time.monotonic()
-            return
-        worker.answered, self._stillborn = True, 0
-        worker.began = time.monotonic()
-        yield worker.reader.read(said, worker.given.popleft())
+            yield worker.reader.read(said, worker.given.popleft())
 
     def _bury(self, worker: _Worker, again: deque[Task], alone: deque[Task]) -> Iterator[RunResult]:
         self._speaking.unregister(worker.pipe)
@@ -209,9 +211,9 @@ class LocalPool:
                 start_new_session=True,  # Ctrl-C is for this process, which ends them
                 env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
             )
-        pipe = Connection(ours.detach())
+        pipe = MessageSocket(ours)
         with suppress(OSError):
-            pipe.send_bytes(pickle.dumps(self._job))
+            pipe.send(pickle.dumps(self._job))
         worker = _Worker(process, pipe, traces)
         self._speaking.register(pipe, EVENT_READ, worker)
         return worker

@@ -9,11 +9,13 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import socket
 import sys
-from multiprocessing.connection import Connection
+from collections.abc import Iterator
 from typing import NoReturn
 
 from cosim.base.system.garbage import collect_seldom
+from cosim.sweep.work.message_socket import MessageSocket
 from cosim.sweep.work.messages import READY, ResultWriter, task_of
 from cosim.sweep.work.runner import PointRunner
 from cosim.sweep.work.traces import Traces
@@ -22,12 +24,13 @@ from cosim.sweep.work.traces import Traces
 def main(number: int, file: int) -> None:
     """Work until nobody is there any more."""
     settle()
-    pipe = Connection(number)
-    writer = ResultWriter()
-    with PointRunner(pickle.loads(_next(pipe)), Traces(file)) as runner:
+    pipe = MessageSocket(socket.socket(fileno=number))
+    writer, told = ResultWriter(), _told(pipe)
+    with PointRunner(pickle.loads(next(told)), Traces(file)) as runner:
         _say(pipe, READY)
-        while True:
-            _say(pipe, writer.write(runner.run(task_of(_next(pipe)))))
+        for task in told:
+            # Each at once: what kills this process costs the run that it is at, and no other.
+            _say(pipe, writer.write(runner.run(task_of(task))))
 
 
 def settle() -> None:
@@ -37,16 +40,18 @@ def settle() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def _next(pipe: Connection) -> bytes:
-    try:
-        return pipe.recv_bytes()
-    except (EOFError, OSError):
-        _leave()
+def _told(pipe: MessageSocket) -> Iterator[bytes]:
+    """What comes from the pool, one after another."""
+    while True:
+        try:
+            yield from pipe.receive()
+        except (EOFError, OSError):
+            _leave()
 
 
-def _say(pipe: Connection, what: bytes) -> None:
+def _say(pipe: MessageSocket, what: bytes) -> None:
     try:
-        pipe.send_bytes(what)
+        pipe.send(what)
     except OSError:
         _leave()
 
