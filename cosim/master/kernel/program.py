@@ -116,7 +116,8 @@ class Program:
         )
         self.numbers = self.operations.instances
         self.instances = (InstanceStruct * max(len(natives), 1))()
-        self._warnings = np.frombuffer(self.instances, np.dtype(InstanceStruct))["warnings"]
+        rows: NDArray[Any] = np.frombuffer(self.instances, np.dtype(InstanceStruct))
+        self._warnings = rows["warnings"]
         for name, number in self.numbers.items():
             self.instances[number] = self._instance(name, natives[name])
         self.records = (RecordStruct * max(len(columns), 1))()

@@ -24,12 +24,12 @@ class StartValues:
         program, before = self._program, self._kept_of
         program.texts.table.clear()
         self._kept_of = assembly
-        is_kept = self._kept is not None and not program.texts.are_there
-        if is_kept and before is not None and _start_alike(before, assembly):
+        if self._kept is not None and before is not None and _start_alike(before, assembly):
             program.cells[:] = self._kept
             return
         self._write(assembly)
-        self._kept = program.cells.copy()
+        if not program.texts.are_there:
+            self._kept = program.cells.copy()
 
     def _write(self, assembly: Assembly) -> None:
         program = self._program
