@@ -10,7 +10,6 @@ two processes share the work: the machine has to be idle, with a processor for e
 from __future__ import annotations
 
 import argparse
-import ctypes
 import tempfile
 import time
 from pathlib import Path
@@ -29,6 +28,7 @@ CALLS = (
     OperationKind.GET,
     OperationKind.GET_FLOAT64,
     OperationKind.STEP,
+    OperationKind.STEP_IN_PARTS,
 )
 CASES = (("ring:1", ("m0",)), ("ring:8", ("m0",)), ("two_users_box", ("finger_a1",)))
 """A scenario, and which of its components are apart."""
@@ -48,15 +48,11 @@ def calls(simulation: Simulation, apart: tuple[str, ...]) -> float:
     """How often the FMUs apart are called in a tick."""
     program = simulation.program
     numbers = {program.numbers[name] for name in apart}
-    # Program 0 is initialisation, program 1 is tick 0; what follows belongs to every tick.
-    starts = ctypes.cast(program.kernel.program_start, ctypes.POINTER(ctypes.c_int64))
-    listed = ctypes.cast(program.kernel.program, ctypes.POINTER(ctypes.c_int32))
-    early = set(listed[: starts[2]])
     operations = zip(program.operations.all, program.operations.actions, strict=True)
     return sum(
         1 / action.period
         for number, (operation, action) in enumerate(operations)
-        if number not in early and operation.owner in numbers
+        if number not in program.early and operation.owner in numbers
         if OperationKind(operation.kind) in CALLS
     )
 

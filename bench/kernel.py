@@ -95,22 +95,11 @@ def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]
     """One statement an operation of an ordinary tick."""
     program = simulation.program
     base = program.cells.ctypes.data
-    kernel = program.kernel
-    starts = np.ctypeslib.as_array(
-        ctypes.cast(kernel.program_start, ctypes.POINTER(ctypes.c_int64)), (3,)
-    )
-    count = len(program.operations.all)
     written: list[str] = []
-    # Program 0 is initialisation, program 1 is tick 0; what follows belongs to every tick.
-    fixed = int(starts[2])
-    numbers = np.ctypeslib.as_array(
-        ctypes.cast(kernel.program, ctypes.POINTER(ctypes.c_int32)), (fixed,)
-    )
-    early = set(numbers.tolist())
-    for number in range(count):
-        if number in early:
+    operations = zip(program.operations.all, program.operations.actions, strict=True)
+    for number, (operation, action) in enumerate(operations):
+        if number in program.early:
             continue
-        operation, action = program.operations.all[number], program.operations.actions[number]
         text = statement(simulation, operation, base, log)
         if not text:
             continue
@@ -133,7 +122,7 @@ def statement(
         OperationKind.GET_FLOAT64,
     }:
         return access(simulation, operation, kind, (operation.cells - base) // 8)
-    if kind is OperationKind.STEP:
+    if kind in {OperationKind.STEP, OperationKind.STEP_IN_PARTS}:
         return step(simulation, operation)
     if kind in {OperationKind.DELIVER, OperationKind.SAMPLE, OperationKind.SEND}:
         return packet(simulation, operation, kind)

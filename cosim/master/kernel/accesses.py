@@ -93,6 +93,8 @@ class Accesses:
             described = [variables[name] for _, name in members]
             kind = described[0].type
             count = sum(map(size_of, described))
+            if not count:  # arrays without elements
+                continue
             references = np.array([native.reference(name) for _, name in members], np.uint32)
             scratch = np.zeros(count, dtype=np.int64)
             items = _items(described) if is_set else None

@@ -83,6 +83,7 @@ class OperationKind(IntEnum):
     RECORD = 11
     TUNE = 12
     PLAY = 13
+    STEP_IN_PARTS = 14
 
 
 TYPE_CODES = {

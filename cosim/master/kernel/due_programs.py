@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,7 +12,7 @@ from cosim.master.assembly.clock import Clock
 from cosim.master.assembly.plan import Plan, due_together
 from cosim.master.kernel.codes import OperationKind
 from cosim.master.kernel.operations import Operations
-from cosim.master.kernel.structures import KernelStruct
+from cosim.master.kernel.structures import KernelStruct, OperationStruct
 
 INITIAL = 0
 """The number of the program of initialisation mode."""
@@ -20,6 +21,7 @@ _FIRST, _EVERY = 1, 2
 
 _RUNS = (OperationKind.SET_FLOAT64, OperationKind.GET_FLOAT64, OperationKind.STEP)
 """Kinds of which the kernel does several in one go, where they lie side by side."""
+_BYTES = ctypes.sizeof(OperationStruct)
 
 
 class DuePrograms:
@@ -37,16 +39,17 @@ class DuePrograms:
         programs += [
             _flat(numbers for period, numbers in every if period in due) for due in due_sets
         ]
-        self._starts = np.cumsum([0, *map(len, programs)]).astype(np.int64)
-        self._flat = np.array(_flat(programs), dtype=np.int32)
+        self.early = frozenset(programs[0] + programs[_FIRST])
+        """Of initialisation mode and of tick 0; all others belong to every tick that they are due."""
         self._pattern = (pattern + _EVERY).astype(np.int32)
-        kinds = np.array([operation.kind for operation in operations.all], dtype=np.int32)
-        self._lengths = _run_lengths(self._flat, kinds, self._starts)
+        ways = np.array([(each.kind, each.version) for each in operations.all], dtype=np.int32)
+        self._spans, self._starts = _runs(programs, ways.reshape(-1, 2))
+        self._runs: NDArray[np.int64]
 
     def bind(self, kernel: KernelStruct) -> None:
         """Have the kernel run these programs."""
-        kernel.program = self._flat.ctypes.data
-        kernel.run_length = self._lengths.ctypes.data
+        self._runs = kernel.operations + _BYTES * self._spans
+        kernel.runs = self._runs.ctypes.data
         kernel.program_start = self._starts.ctypes.data
         kernel.pattern = self._pattern.ctypes.data
         kernel.hyperperiod = self.hyperperiod
@@ -57,17 +60,22 @@ def _flat(programs: Iterable[Iterable[int]]) -> list[int]:
     return [number for program in programs for number in program]
 
 
-def _run_lengths(
-    flat: NDArray[np.int32], kinds: NDArray[np.int32], starts: NDArray[np.int64]
-) -> NDArray[np.int32]:
-    """Of each number in the programs: how many neighbours of its kind follow it, it included."""
-    if not len(flat):
-        return flat
-    kind = kinds[flat]
-    goes_on = np.zeros(len(flat), dtype=bool)
-    goes_on[:-1] = (np.diff(flat) == 1) & (kind[1:] == kind[:-1]) & np.isin(kind[:-1], _RUNS)
-    ends = starts[1:-1]
-    goes_on[ends[(ends > 0) & (ends <= len(flat))] - 1] = False
-    last = np.flatnonzero(~goes_on)
-    places = np.arange(len(flat))
-    return (last[np.searchsorted(last, places)] - places + 1).astype(np.int32)
+def _runs(
+    programs: list[list[int]], ways: NDArray[np.int32]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The first number of each run and the one behind its last; at which run each program begins.
+
+    ``ways`` has kind and version of each operation.
+    """
+    lengths = [len(program) for program in programs]
+    flat = np.array(_flat(programs), dtype=np.int64)
+    begins = np.ones(len(flat), dtype=bool)
+    way = ways[flat]
+    follows = (np.diff(flat) == 1) & (way[1:] == way[:-1]).all(axis=1)
+    begins[1:] = ~(follows & np.isin(way[1:, 0], _RUNS))
+    starts = np.cumsum([0, *lengths])
+    begins[starts[:-1][starts[:-1] < len(flat)]] = True
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(flat)) - 1
+    spans = np.stack((flat[first], flat[last] + 1), axis=1)
+    return spans, np.searchsorted(first, starts).astype(np.int64)

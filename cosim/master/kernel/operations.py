@@ -19,7 +19,7 @@ from cosim.master.components.playing import rows_to_play
 from cosim.master.kernel.accesses import Accesses, Native
 from cosim.master.kernel.codes import OperationKind
 from cosim.master.kernel.copies import Copies
-from cosim.master.kernel.structures import OperationStruct
+from cosim.master.kernel.structures import InstanceStruct, OperationStruct
 from cosim.master.kernel.turning import Turning
 from cosim.master.kernel.written import Accessor, Call, WrittenOperation, with_table
 
@@ -80,6 +80,24 @@ class Operations:
             self.accessors.append((number, written.accessor))
         return number
 
+    def point_to(self, instances: int) -> None:
+        """Finish what was written, with the address of the kernel's instances.
+
+        The copies before sets of reals come to lie side by side, in the order of the sets.
+        """
+        for operation in self.all:
+            if operation.version:
+                operation.instance = instances + ctypes.sizeof(InstanceStruct) * operation.owner
+        sets = [each for each in self.all if each.kind == OperationKind.SET_FLOAT64]
+        copies = np.zeros((sum(each.copy_count for each in sets) + 1, 2), dtype=np.int32)
+        self._memory.append(copies)
+        place = copies.ctypes.data
+        for operation in sets:
+            length = copies.strides[0] * operation.copy_count
+            ctypes.memmove(place, operation.table, length)
+            operation.table = place
+            place += length
+
     def numbers_of(self, action: Action, *, is_initial: bool = False) -> list[int]:
         """Write the operations of an action.
 
@@ -132,7 +150,11 @@ class Operations:
         yield from self._text_calls(unit, read, is_set=False)
 
     def _step(self, unit: str) -> Iterable[WrittenOperation]:
-        yield WrittenOperation(OperationStruct(kind=OperationKind.STEP, owner=self.instances[unit]))
+        fmu = self._natives[unit]
+        is_whole = fmu.substeps == 1 and unit not in self._layout.events
+        kind = OperationKind.STEP if is_whole else OperationKind.STEP_IN_PARTS
+        owner = self.instances[unit]
+        yield WrittenOperation(OperationStruct(kind=kind, owner=owner, version=fmu.version))
 
     def _component_call(self, unit: str, method: str) -> Iterable[WrittenOperation]:
         if self._parts[unit].overrides(method):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -80,6 +80,11 @@ class Program:
         self._natives: Mapping[str, Native] = {}
 
     @property
+    def early(self) -> Collection[int]:
+        """The operations of initialisation mode and of tick 0; the others belong to every tick."""
+        return self._programs.early
+
+    @property
     def calls(self) -> Mapping[int, Call]:
         """The call-out behind an operation."""
         return self.operations.calls
@@ -124,6 +129,7 @@ class Program:
         self._programs = DuePrograms(plan, self.clock, self.operations)
         for name in self.layout.events:
             self._write_events(name, plan)
+        self.operations.point_to(ctypes.addressof(self.instances))
         written = self.operations.all
         self._operation_array = (OperationStruct * max(len(written), 1))(*written)
         self._bind_kernel()
@@ -201,7 +207,6 @@ class Program:
             self.clock.step(period, native.substeps),
             not native.is_trusted,
             0,
-            native.substeps == 1 and name not in self.layout.events,
             None,
         )
 

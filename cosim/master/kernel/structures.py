@@ -59,6 +59,7 @@ class OperationStruct(ctypes.Structure):
         ("owner", c_int32),
         ("type", c_int32),
         ("version", c_int32),
+        ("instance", c_void_p),
         ("function", c_void_p),
         ("references", c_void_p),
         ("reference_count", c_int64),
@@ -82,9 +83,14 @@ class InstanceStruct(ctypes.Structure):
         ("step", c_double),
         ("foreign", c_int64),
         ("warnings", c_int64),
-        ("is_plain", c_int64),
         ("events", c_void_p),
     ]
+
+
+class RunStruct(ctypes.Structure):
+    """``Run``."""
+
+    _fields_ = [("first", c_void_p), ("end", c_void_p)]
 
 
 class BundleStruct(ctypes.Structure):
@@ -132,8 +138,7 @@ class KernelStruct(ctypes.Structure):
     _fields_ = [
         ("cells", c_void_p),
         ("operations", c_void_p),
-        ("program", c_void_p),
-        ("run_length", c_void_p),
+        ("runs", c_void_p),
         ("program_start", c_void_p),
         ("pattern", c_void_p),
         ("hyperperiod", c_int64),

@@ -30,6 +30,7 @@ _KERNEL_DID = {
     OperationKind.GET_FLOAT64: "while its outputs were read",
     OperationKind.TUNE: "while a parameter was turned",
     OperationKind.STEP: "in its step",
+    OperationKind.STEP_IN_PARTS: "in its step",
     OperationKind.CALL: "in a method of its class",
 }
 
@@ -129,7 +130,7 @@ class Whereabouts:
                 kinds = {name: part.kind for name, part in scenario.components.items()}
                 names = [name for name in names if kinds[name] is ComponentKind.FMU]
             did = _KERNEL_DID[OperationKind(self.kernel.kind)]
-            if self.kernel.kind == OperationKind.STEP and self.kernel.event_call:
+            if self.kernel.kind == OperationKind.STEP_IN_PARTS and self.kernel.event_call:
                 did = AT_EVENTS[EventCall(self.kernel.event_call)]
             when = when if self.kernel.running else "at initialisation"
             return names[int(self.kernel.owner)], f"{did} {when}"

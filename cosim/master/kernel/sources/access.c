@@ -97,8 +97,8 @@ static Outcome refuse_beyond_a_cell(Kernel *kernel, const Operation *op)
 
 Outcome get_values(Kernel *kernel, const Operation *op, Instance *instance)
 {
-    Outcome outcome = judge_status(kernel, call_access(op, instance->instance, op->scratch),
-                                   &instance->warnings);
+    int status = call_access(op, op->version, instance->instance, op->scratch);
+    Outcome outcome = judge_status(kernel, status, &instance->warnings);
     if (outcome != OUTCOME_DONE)
         return outcome;
     unpack(op);
@@ -120,15 +120,16 @@ Outcome set_values(Kernel *kernel, const Operation *op, Instance *instance)
         kernel->cell = &op->cells[misfit] - kernel->cells;
         return OUTCOME_RANGE;
     }
-    return judge_status(kernel, call_access(op, instance->instance, op->scratch),
-                        &instance->warnings);
+    int status = call_access(op, op->version, instance->instance, op->scratch);
+    return judge_status(kernel, status, &instance->warnings);
 }
 
 /* One period of an instance in equal steps. */
 Outcome step_in_parts(Kernel *kernel, Instance *instance)
 {
+    const int version = (int)instance->version;
     for (int64_t i = 0; i < instance->substeps; i++) {
-        Outcome outcome = step_once(kernel, instance, time_of_part(kernel, instance, i));
+        Outcome outcome = step_once(kernel, instance, version, time_of_part(kernel, instance, i));
         if (outcome != OUTCOME_DONE)
             return outcome;
     }

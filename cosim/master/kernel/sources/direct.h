@@ -6,10 +6,11 @@
 
 #include "kernel.h"
 
-static inline int call_access(const Operation *op, void *instance, void *values)
+/* `version` is that of the operation: a constant where the caller knows it. */
+static inline int call_access(const Operation *op, int version, void *instance, void *values)
 {
     size_t references = (size_t)op->reference_count;
-    if (op->version == 2)
+    if (version == 2)
         return ((Access2)op->function)(instance, op->references, references, values);
     return ((Access3)op->function)(instance, op->references, references, values,
                                    (size_t)op->cell_count);
@@ -39,21 +40,21 @@ static inline Outcome refuse_nan(Kernel *kernel, const Operation *op)
 
 static inline Outcome get_reals(Kernel *kernel, const Operation *op, Instance *instance)
 {
-    Outcome outcome = judge_status(kernel, call_access(op, instance->instance, op->cells),
-                                   &instance->warnings);
+    int status = call_access(op, op->version, instance->instance, op->cells);
+    Outcome outcome = judge_status(kernel, status, &instance->warnings);
     return outcome == OUTCOME_DONE ? refuse_nan(kernel, op) : outcome;
 }
 
 static inline Outcome set_reals(Kernel *kernel, const Operation *op, Instance *instance)
 {
-    return judge_status(kernel, call_access(op, instance->instance, op->cells),
-                        &instance->warnings);
+    int status = call_access(op, op->version, instance->instance, op->cells);
+    return judge_status(kernel, status, &instance->warnings);
 }
 
-static inline Outcome step_once(Kernel *kernel, Instance *instance, double time)
+static inline Outcome step_once(Kernel *kernel, Instance *instance, int version, double time)
 {
     int status;
-    if (instance->version == 2) {
+    if (version == 2) {
         status = ((Step2)instance->do_step)(instance->instance, time, instance->step, 1);
     } else {
         Truth event = 0, terminate = 0, early_return = 0;

@@ -219,7 +219,7 @@ EXPORT int32_t kernel_begin_events(Kernel *kernel, int64_t owner, int64_t phase)
 {
     Instance *instance = &kernel->instances[owner];
     kernel->running = 0; /* as initialisation mode */
-    kernel->kind = KIND_STEP;
+    kernel->kind = KIND_STEP_IN_PARTS;
     kernel->owner = (int32_t)owner;
     kernel->event_call = EVENT_CALL_NONE;
     Outcome outcome = phase == 0 ? begin(kernel, instance) : leave_first(kernel, instance);

@@ -1,6 +1,6 @@
 /* Running the plan: one program of operations a tick, in chunks of ticks. */
 
-#include "direct.h"
+#include "runs.h"
 
 static inline void copy(Cell *cells, const int32_t *pairs, int64_t count)
 {
@@ -29,15 +29,17 @@ static Outcome convert(Kernel *kernel, const Conversion *conversions, int64_t co
     return OUTCOME_DONE;
 }
 
-static bool record(Record *target, const Cell *cells, const int32_t *columns, int64_t count)
+static inline Outcome record(Record *target, const Cell *cells, const Operation *op)
 {
     if (target->row >= target->row_count)
-        return false;
+        return OUTCOME_OVERFLOW;
+    const int64_t count = op->cell_count;
+    const int32_t *columns = op->table;
     Cell *row = target->rows + target->row * count;
     for (int64_t i = 0; i < count; i++)
         row[i] = cells[columns[i]];
     target->row++;
-    return true;
+    return OUTCOME_DONE;
 }
 
 /* Rows of a table at the outputs of a component: the first before the first row's time, the last after
@@ -79,132 +81,112 @@ static void look_at_mode(Kernel *kernel)
         kernel->careful = INT64_MAX;
 }
 
-static inline void guard(Kernel *kernel, const Instance *instance)
+static inline Outcome step(Kernel *kernel, const Operation *op, double time)
 {
-    if (__builtin_expect(kernel->careful != 0, 0) && instance->foreign)
-        look_at_mode(kernel);
+    Instance *instance = op->instance;
+    return op->kind == KIND_STEP ? step_once(kernel, instance, op->version, time)
+         : instance->events      ? step_with_events(kernel, instance)
+                                 : step_in_parts(kernel, instance);
 }
 
-/* Operations of one kind mostly follow one another: so many FMUs are read, set and stepped in turn,
-   and to go on within a kind costs less than to find out which one it is. Where it ends before the
-   run does, `op` is left at the operation that failed. */
-#define RUN(NAME, DOES)                                                                           \
-    static __attribute__((noinline)) Outcome NAME(Kernel *kernel, const Operation **failed,       \
-                                                  int64_t count, double time)                     \
-    {                                                                                             \
-        const Operation *op = *failed;                                                            \
-        Instance *const instances = kernel->instances;                                            \
-        (void)time;                                                                               \
-        for (const Operation *end = op + count; op != end; op++) {                                \
-            Instance *instance = &instances[op->owner];                                           \
-            kernel->owner = op->owner;                                                            \
-            Outcome outcome = DOES;                                                               \
-            guard(kernel, instance);                                                              \
-            if (__builtin_expect(outcome != OUTCOME_DONE, 0)) {                                   \
-                *failed = op;                                                                     \
-                return outcome;                                                                   \
-            }                                                                                     \
-        }                                                                                         \
-        return OUTCOME_DONE;                                                                      \
-    }
-
-static inline Outcome copy_and_set(Kernel *kernel, const Operation *op, Instance *instance)
+/* What does not come in runs, or has to be looked after. */
+static __attribute__((noinline)) Outcome carry_out(Kernel *kernel, const Operation *op, double time)
 {
-    copy(kernel->cells, op->table, op->copy_count);
-    return set_reals(kernel, op, instance);
-}
-
-static inline Outcome step(Kernel *kernel, Instance *instance, double time)
-{
-    return __builtin_expect(instance->is_plain, 1) ? step_once(kernel, instance, time)
-         : instance->events                        ? step_with_events(kernel, instance)
-                                                   : step_in_parts(kernel, instance);
-}
-
-RUN(set_run, copy_and_set(kernel, op, instance))
-RUN(get_run, get_reals(kernel, op, instance))
-RUN(step_run, step(kernel, instance, time))
-
-/* Runs the rest of the current program. */
-static Outcome execute(Kernel *kernel)
-{
-    const int64_t start = kernel->program_start[kernel->running];
-    const int32_t *const program = kernel->program + start;
-    const int32_t *const run_length = kernel->run_length + start;
-    const int64_t count = kernel->program_start[kernel->running + 1] - start;
-    int64_t position = kernel->position; /* written back where the loop is left */
     Cell *const cells = kernel->cells;
-    const double time = time_of_tick(kernel);
-
-    while (position < count) {
-        const int32_t number = program[position];
-        const Operation *const first = &kernel->operations[number], *op = first;
-        const int64_t length = run_length[position];
-        Instance *instance;
-        Outcome outcome = OUTCOME_DONE;
-        kernel->kind = op->kind;
-        kernel->owner = op->owner;
-        switch (op->kind) {
-        case KIND_COPY:
+    switch (op->kind) {
+    case KIND_COPY:
+        copy(cells, op->table, op->cell_count);
+        return OUTCOME_DONE;
+    case KIND_CONVERT:
+        return convert(kernel, op->table, op->cell_count);
+    case KIND_SET_FLOAT64:
+        return set_reals(kernel, op, op->instance);
+    case KIND_GET_FLOAT64:
+        return get_reals(kernel, op, op->instance);
+    case KIND_STEP:
+    case KIND_STEP_IN_PARTS:
+        return step(kernel, op, time);
+    case KIND_SET:
+        return set_values(kernel, op, op->instance);
+    case KIND_GET:
+        return get_values(kernel, op, op->instance);
+    case KIND_CALL:
+        return OUTCOME_CALL;
+    case KIND_DELIVER:
+        deliver(&kernel->bundles[op->owner], kernel->tick);
+        return OUTCOME_DONE;
+    case KIND_SAMPLE:
+        if (kernel->bundles[op->owner].immediate)
             copy(cells, op->table, op->cell_count);
-            break;
-        case KIND_CONVERT:
-            outcome = convert(kernel, op->table, op->cell_count);
-            break;
-        case KIND_SET_FLOAT64:
-            outcome = set_run(kernel, &op, length, time);
-            break;
-        case KIND_GET_FLOAT64:
-            outcome = get_run(kernel, &op, length, time);
-            break;
-        case KIND_STEP:
-            outcome = step_run(kernel, &op, length, time);
-            break;
-        case KIND_SET:
-            instance = &kernel->instances[op->owner];
-            outcome = set_values(kernel, op, instance);
-            guard(kernel, instance);
-            break;
-        case KIND_GET:
-            instance = &kernel->instances[op->owner];
-            outcome = get_values(kernel, op, instance);
-            guard(kernel, instance);
-            break;
-        case KIND_CALL:
-            outcome = OUTCOME_CALL;
-            break;
-        case KIND_DELIVER:
-            deliver(&kernel->bundles[op->owner], kernel->tick);
-            break;
-        case KIND_SAMPLE:
-            if (kernel->bundles[op->owner].immediate)
-                copy(cells, op->table, op->cell_count);
-            break;
-        case KIND_SEND:
-            if (!send_packet(&kernel->bundles[op->owner], cells, kernel->tick))
-                outcome = OUTCOME_OVERFLOW;
-            break;
-        case KIND_RECORD:
-            if (!record(&kernel->records[op->owner], cells, op->table, op->cell_count))
-                outcome = OUTCOME_OVERFLOW;
-            break;
-        case KIND_TUNE:
-            outcome = tune(kernel, op);
-            break;
-        case KIND_PLAY:
-            play(op->cells, (Played *)op->table, (double)kernel->tick);
-            break;
-        default:
-            break;
-        }
-        if (__builtin_expect(outcome != OUTCOME_DONE, 0)) {
-            kernel->position = position + (op - first) + 1;
-            kernel->operation = number + (op - first);
+        return OUTCOME_DONE;
+    case KIND_SEND:
+        return send_packet(&kernel->bundles[op->owner], cells, kernel->tick) ? OUTCOME_DONE
+                                                                             : OUTCOME_OVERFLOW;
+    case KIND_TUNE:
+        return tune(kernel, op);
+    case KIND_PLAY:
+        play(op->cells, (Played *)op->table, (double)kernel->tick);
+        return OUTCOME_DONE;
+    default:
+        return OUTCOME_DONE;
+    }
+}
+
+static inline Outcome do_one(Kernel *kernel, const Operation *op, double time)
+{
+    kernel->owner = op->owner;
+    return op->kind == KIND_RECORD ? record(&kernel->records[op->owner], kernel->cells, op)
+                                   : carry_out(kernel, op, time);
+}
+
+/* Operations one by one, each with a look at how the processor computes. */
+static __attribute__((noinline)) Outcome carefully(Kernel *kernel, const Operation **reached,
+                                                   const Operation *end, double time)
+{
+    for (const Operation *op = *reached; op != end; op++) {
+        Outcome outcome = do_one(kernel, op, time);
+        if (op->instance && op->instance->foreign && kernel->careful)
+            look_at_mode(kernel);
+        if (outcome != OUTCOME_DONE) {
+            *reached = op;
             return outcome;
         }
-        position += length;
     }
-    kernel->position = position;
+    return OUTCOME_DONE;
+}
+
+/* Runs the rest of the current program. */
+WRITTEN_OUT Outcome execute(Kernel *kernel)
+{
+    const int64_t *const program = &kernel->program_start[kernel->running];
+    const Run *const runs = kernel->runs + program[0], *const end = kernel->runs + program[1];
+    const double time = time_of_tick(kernel);
+
+    for (const Run *run = runs + kernel->position; run != end; run++) {
+        const Operation *op = run->first;
+        Outcome outcome;
+        kernel->kind = op->kind;
+        if (op->kind == KIND_SET_FLOAT64)
+            copy_before(kernel->cells, op, run->end - 1);
+        if (SELDOM(kernel->careful != 0))
+            outcome = carefully(kernel, &op, run->end, time);
+        else if (op->kind == KIND_SET_FLOAT64)
+            outcome = op->version == 2 ? access_run(kernel, &op, run->end, 2, false)
+                                       : access_run(kernel, &op, run->end, 3, false);
+        else if (op->kind == KIND_GET_FLOAT64)
+            outcome = op->version == 2 ? access_run(kernel, &op, run->end, 2, true)
+                                       : access_run(kernel, &op, run->end, 3, true);
+        else if (op->kind == KIND_STEP)
+            outcome = op->version == 2 ? step_run(kernel, &op, run->end, 2, time)
+                                       : step_run(kernel, &op, run->end, 3, time);
+        else
+            outcome = do_one(kernel, op, time);
+        if (SELDOM(outcome != OUTCOME_DONE)) {
+            kernel->position = run - runs + 1; /* what is left after a call-out */
+            kernel->operation = op - kernel->operations;
+            return outcome;
+        }
+    }
     return OUTCOME_DONE;
 }
 

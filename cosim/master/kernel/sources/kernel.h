@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 10 };
+enum { KERNEL_ABI = 11 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -49,7 +49,8 @@ typedef enum {
     KIND_SEND = 10,
     KIND_RECORD = 11,
     KIND_TUNE = 12,
-    KIND_PLAY = 13
+    KIND_PLAY = 13,
+    KIND_STEP_IN_PARTS = 14 /* several steps a period, or event mode */
 } Kind;
 
 /* The type behind KIND_SET and KIND_GET. */
@@ -120,23 +121,6 @@ typedef struct {
     Cell value;
 } Change;
 
-typedef struct {
-    int32_t kind;
-    int32_t owner; /* instance, bundle, record or component that is called, by kind */
-    int32_t type;
-    int32_t version; /* FMI major version of the function */
-    void *function;
-    const uint32_t *references;
-    int64_t reference_count;
-    Cell *cells;        /* first cell of a set or get */
-    int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
-    void *scratch;      /* room for cell_count values of `type` */
-    /* pairs of int32 (from, to), Conversions, int32 columns, Items (set), a Knob (tune), or what is
-       Played */
-    const void *table;
-    int64_t copy_count; /* pairs that are copied first (set of reals) */
-} Operation;
-
 /* An FMU instance and its constant step. */
 typedef struct {
     void *instance;
@@ -147,9 +131,33 @@ typedef struct {
     double step;      /* s, of one doStep */
     int64_t foreign;  /* not ours: it may change how the processor computes */
     int64_t warnings;
-    int64_t is_plain; /* one step a period, and no event mode */
     struct Events *events; /* NULL where event mode is not used */
 } Instance;
+
+typedef struct {
+    int32_t kind;
+    int32_t owner; /* instance, bundle, record or component that is called, by kind */
+    int32_t type;
+    int32_t version;    /* FMI major version of the function, or of the FMU that is stepped */
+    Instance *instance; /* of a set, a get, or a step */
+    void *function;
+    const uint32_t *references;
+    int64_t reference_count;
+    Cell *cells;        /* first cell of a set or get */
+    int64_t cell_count; /* values of a set or get; pairs of a copy; columns of a record */
+    void *scratch;      /* room for cell_count values of `type` */
+    /* pairs of int32 (from, to), Conversions, int32 columns, Items (set), a Knob (tune), or what is
+       Played */
+    const void *table;
+    int64_t copy_count; /* pairs that are copied first (set of reals); those of a run lie side by side */
+} Operation;
+
+/* Operations that lie side by side and are done in one go: of one kind and one version of FMI where
+   they set or get reals or step, else a single one. */
+typedef struct {
+    const Operation *first;
+    const Operation *end;
+} Run;
 
 /* One stream of packets: the variables of one channel, direction and rate, or one sampled
    connection inside a station. */
@@ -188,9 +196,7 @@ typedef struct {
 typedef struct {
     Cell *cells;
     const Operation *operations;
-    const int32_t *program;       /* operation numbers of all programs, one after another */
-    const int32_t *run_length;    /* for each of them: so many operations that lie side by side are of
-                                     one kind from there on, 1 for kinds that come one by one */
+    const Run *runs;              /* of all programs, one after another */
     const int64_t *program_start; /* program count + 1 */
     const int32_t *pattern;       /* program of each tick of the hyperperiod */
     int64_t hyperperiod;
@@ -212,7 +218,7 @@ typedef struct {
     int64_t tick;     /* the tick that is running, or the next one */
     int64_t phase;    /* tick modulo hyperperiod */
     int64_t running;  /* program that is running, -1 between ticks */
-    int64_t position; /* next operation of that program */
+    int64_t position; /* next run of that program */
 
     int64_t kind; /* of the operation that is running, and whose it is: read after a death */
     int64_t owner;

@@ -37,7 +37,7 @@ Outcome tune(Kernel *kernel, const Operation *op)
         return OUTCOME_CALL;
     if (op->function == NULL)
         return OUTCOME_DONE; /* a Python component reads the cells */
-    Instance *instance = &kernel->instances[op->owner];
+    Instance *instance = op->instance;
     const Outcome outcome = set_values(kernel, op, instance);
     if (instance->events)
         instance->events->turned = 1;
