@@ -40,7 +40,7 @@ class DuePrograms:
             _flat(numbers for period, numbers in every if period in due) for due in due_sets
         ]
         self.early = frozenset(programs[0] + programs[_FIRST])
-        """Of initialisation mode and of tick 0; all others belong to every tick that they are due."""
+        """The operations of initialisation mode and of tick 0; the others belong to every tick."""
         self._pattern = (pattern + _EVERY).astype(np.int32)
         ways = np.array([(each.kind, each.version) for each in operations.all], dtype=np.int32)
         self._spans, self._starts = _runs(programs, ways.reshape(-1, 2))
