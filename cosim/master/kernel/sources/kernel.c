@@ -1,6 +1,6 @@
 /* Running the plan: one program of operations a tick, in chunks of ticks. */
 
-#include "runs.h"
+#include "direct.h"
 
 static inline void copy(Cell *cells, const int32_t *pairs, int64_t count)
 {
