@@ -7,16 +7,15 @@ Each copy of the box gets the same b_c, computed at the scenario's own rates and
   while they all hold on, and is too much for a box that nobody holds.
 - ``cautious``: the simplified model on all axes. It cancels less, and never drives a free box.
 
-A delay between two whole samples is taken as it is by ``auto``, and rounded down by ``cautious``.
+A delay between two samples is taken to the tick by ``auto``, and rounded down by ``cautious``.
+Loss, jitter and reordering make what is held older than the delay does, so that less is cancelled
+than is felt. What the models do not have is refused: prediction, a recorded trace, and for ``auto``
+ways of unlike delays.
 """
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Sequence
-from dataclasses import replace
-from fractions import Fraction
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from cosim.scenario import Scenario
     from cosim.scenario.form.sections import Forms
     from cosim.scenario.load import Written
-    from cosim.theory.models.timing import PathDelay, Timing
+    from cosim.theory.models.timing import Timing
     from cosim.theory.transparency.damping import DampingModel
 
 CHOICES = ("auto", "cautious")
@@ -68,6 +67,7 @@ def tuned(written: Written) -> Written:
     if not wanted:
         return written
     from cosim.analysis.grasp import WORKSTATION, find_grasp
+    from cosim.analysis.left_out import refuse_other_peers
 
     for name, choice in wanted.items():
         place = scenario.locate(("components", name, "parameters", "compensation"))
@@ -83,6 +83,14 @@ def tuned(written: Written) -> Written:
                 place,
             )
     grasp = find_grasp(scenario, earliest=True)
+    refuse_other_peers(scenario, grasp.workstations)
+    if "auto" in wanted.values() and find_grasp(scenario).ways != grasp.ways:
+        raise InputError(
+            "compensation: auto is for one delay there and one back, and these workstations hear "
+            "of each other after different ones: take cautious, which counts the shortest, or give "
+            "numbers.",
+            scenario.locate(("channels",)),
+        )
     found = {choice: _compensation(grasp, choice) for choice in set(wanted.values())}
     numbers: list[str] = []
     for name, choice in wanted.items():
@@ -96,30 +104,7 @@ def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:
     """b_c along x and y (N·s/m) and in rotation (N·m·s/rad)."""
     if choice == "cautious":
         return _nulling(grasp, grasp.timing, "simplified")
-    found = {"x": 0.0, "y": 0.0, "theta": 0.0}
-    for share, delay in _between(grasp):
-        for axis, value in _nulling(grasp, replace(grasp.timing, delay=delay), "original").items():
-            found[axis] += share * value
-    return found
-
-
-def _between(grasp: Grasp) -> list[tuple[float, PathDelay]]:
-    """The whole delays around the true ones, each with its weight.
-
-    What holding adds is proportional to the mean age of what is held, which grows with the delay
-    evenly from one whole sample to the next.
-    """
-    from cosim.theory.models.timing import PathDelay
-
-    around: list[tuple[tuple[int, Fraction], ...]] = []
-    for way in grasp.ways:
-        below = math.floor(way)
-        around.append(((below, 1 - (way - below)), (below + 1, way - below)))
-    return [
-        (float(one * other), PathDelay(forward=forward, backward=backward))
-        for (forward, one), (backward, other) in itertools.product(*around)
-        if one * other
-    ]
+    return _nulling(grasp, grasp.timing.delayed(*grasp.ways), "original")
 
 
 def _nulling(grasp: Grasp, timing: Timing, kind: DampingModel) -> dict[str, float]:

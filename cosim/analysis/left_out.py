@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cosim.analysis.chance.delays import packet_delays
 from cosim.analysis.grasp import WORKSTATION
+from cosim.analysis.monodromy.refusal import chances
 from cosim.analysis.parameter import is_number, parameter
 from cosim.analysis.wires import INSTEAD, refuse_other_steps, refuse_scaled
 from cosim.base.errors import InputError
@@ -51,6 +53,46 @@ def refuse_what_chapters_leave_out(scenario: Scenario) -> None:
     _refuse_peers(scenario, loop)
     for device in devices:
         _refuse_device(scenario, device, loop)
+
+
+def refuse_recorded_fates(scenario: Scenario) -> None:
+    """Refuse packets that follow something recorded: the loop has fixed delays, and they none.
+
+    Raises:
+        InputError: by name and place.
+    """
+    for link in chances(scenario):
+        name, way = link.rsplit(".", 1)
+        channel = scenario.channels[name]
+        direction = channel.forward if way == "forward" else channel.backward
+        if packet_delays(direction, channel.period) is None:
+            raise InputError(
+                f"{link} has {' and '.join(sorted(direction.impairments))}, and the loop of "
+                "chapters 3 to 6 a fixed delay: give the channel one in its place.",
+                scenario.locate(("channels", name)),
+            )
+
+
+def refuse_other_peers(scenario: Scenario, workstations: Sequence[ScenarioComponent]) -> None:
+    """Refuse workstations that hear of others otherwise than the loop's: not all, or not in full.
+
+    Nor do they carry on what they heard: what is held between two packets is what the loop has.
+
+    Raises:
+        InputError: by name and place.
+    """
+    refuse_recorded_fates(scenario)
+    for part in workstations:
+        if part.parameters.get("predictor", "hold_last") not in _NOTHING:
+            raise InputError(
+                f"{part.name} predicts what it hears of the others, and the loop of chapters 3 to "
+                "6 holds it: take predictor=hold_last, or give the compensation in numbers "
+                "('cohaptic theory damping --scenario' tells that of linear prediction).",
+                scenario.locate(("components", part.name, "parameters", "predictor")),
+            )
+        _refuse_weights(scenario, part)
+    refuse_scaled(scenario, {part.name for part in workstations})
+    _refuse_peers(scenario, workstations)
 
 
 def _refuse_options(scenario: Scenario, part: ScenarioComponent) -> None:

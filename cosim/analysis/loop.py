@@ -9,9 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from cosim.analysis.chance.delays import HARMLESS, packet_delays
+from cosim.analysis.chance.delays import HARMLESS
 from cosim.analysis.grasp import WORKSTATION, find_grasp
-from cosim.analysis.left_out import CLIENT, SERVER, refuse_what_chapters_leave_out
+from cosim.analysis.left_out import (
+    CLIENT,
+    SERVER,
+    refuse_recorded_fates,
+    refuse_what_chapters_leave_out,
+)
 from cosim.analysis.monodromy.refusal import chances
 from cosim.analysis.parameter import parameter
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
@@ -35,31 +40,13 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
         InputError: where the scenario has no loop that chapters 3 to 6 know, or has more than it.
     """
     refuse_what_chapters_leave_out(scenario)
-    _refuse_recorded_fates(scenario)
+    refuse_recorded_fates(scenario)
     sources = {part.source for part in scenario.components.values() if part.is_bundled}
     if WORKSTATION in sources:
         return _read_workstations(scenario)
     if SERVER in sources:
         return _read_server(scenario)
     return read_single_axis(scenario)
-
-
-def _refuse_recorded_fates(scenario: Scenario) -> None:
-    """Refuse packets that follow something recorded: the loop has fixed delays, and they none.
-
-    Raises:
-        InputError: by name and place.
-    """
-    for link in chances(scenario):
-        name, way = link.rsplit(".", 1)
-        channel = scenario.channels[name]
-        direction = channel.forward if way == "forward" else channel.backward
-        if packet_delays(direction, channel.period) is None:
-            raise InputError(
-                f"{link} has {' and '.join(sorted(direction.impairments))}, and the loop of "
-                "chapters 3 to 6 a fixed delay: give the channel one in its place.",
-                scenario.locate(("channels", name)),
-            )
 
 
 def _read_workstations(scenario: Scenario) -> ScenarioLoop:

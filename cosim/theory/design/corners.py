@@ -10,7 +10,7 @@ from cosim.theory.chance.network import Network
 from cosim.theory.chance.packets import LinkProcess
 from cosim.theory.models.mass_spring_damper import Model
 from cosim.theory.models.parameters import Parameters
-from cosim.theory.models.timing import PathDelay, Timing
+from cosim.theory.models.timing import Timing
 from cosim.theory.stability.margins import scaled
 from cosim.theory.stability.spectral_radius import stability
 from cosim.theory.transparency.damping import uniform_compensation
@@ -56,7 +56,8 @@ class Corner:
         """The rates, and the delay in this corner."""
         forward, backward = self.delay
         delay = timing.delay
-        return replace(timing, delay=PathDelay(delay.forward + forward, delay.backward + backward))
+        later = replace(delay, forward=delay.forward + forward, backward=delay.backward + backward)
+        return replace(timing, delay=later)
 
 
 def corners_of(parameters: Parameters, network: Network, margin: float) -> tuple[Corner, ...]:

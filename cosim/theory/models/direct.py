@@ -6,7 +6,7 @@ where the thesis prints X_h1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -137,6 +137,7 @@ def _distributed_signals(
 ) -> list[LiftedSignal]:
     control, network = timing.control_ticks, timing.network_ticks
     late = timing.computation_delay
+    ahead, back = timing.delay.ways
     signals: list[LiftedSignal] = []
     for m, copy in enumerate(bodies):
         heard: dict[int, float] = {}
@@ -144,15 +145,14 @@ def _distributed_signals(
         for r, other in enumerate(bodies):
             if r == m:
                 continue
-            delay = timing.delay.forward if r < m else timing.delay.backward
             pairs = [(other, model.object_stiffness[m, r], model.object_damping[m, r])]
             hand = hands[r]
             if hand is not None:
                 pairs.append((hand, model.remote_stiffness[m, r], model.remote_damping[m, r]))
             for body, stiffness, damping in pairs:
-                heard[len(signals)] = 1.0
                 row = plant.row((body, float(stiffness), float(damping)))
-                signals.append(LiftedSignal(network, row, delay=delay, known=_known(timing)))
+                sent = LiftedSignal(network, row, known=_known(timing))
+                heard[_sent(signals, sent, ahead if r < m else back)] = 1.0
                 own.append((copy, -float(stiffness), -float(damping)))
         own.append((copy, -model.wall_stiffness, -model.wall_damping))
         signals.append(
@@ -172,37 +172,49 @@ def _centralized_signals(
 ) -> list[LiftedSignal]:
     control, network = timing.control_ticks, timing.network_ticks
     late = timing.computation_delay
+    ahead, back = timing.delay.ways
     signals = _local(plant, hands[0], body, (model.stiffness[0], model.damping[0]), timing)
     for m in range(1, model.users):
         hand = hands[m]
         if hand is None:
             continue
         stiffness, damping = float(model.stiffness[m]), float(model.damping[m])
-        up = len(signals)
-        row = plant.row((hand, stiffness, damping))
-        signals.append(LiftedSignal(network, row, delay=timing.delay.forward, known=_known(timing)))
+        sent = LiftedSignal(network, plant.row((hand, stiffness, damping)), known=_known(timing))
+        up = _sent(signals, sent, ahead)
         own = plant.row((body, -stiffness, -damping))
+        computed = len(signals)
         signals.append(LiftedSignal(control, own, {up: 1.0}, plant.force((body, 1.0)), delay=late))
         # What goes down: the coupler's force at the network instant, or that of the last tick.
         from_hand = plant.force((hand, -1.0))
         relayed = timing.sampling == "last_tick" and timing.ratio.denominator != 1
         passed = late or relayed
-        signals.append(
-            LiftedSignal(
-                network,
-                np.zeros(plant.size) if passed else own,
-                {up + 1: 1.0} if passed else {up: 1.0},
-                None if relayed else from_hand,
-                delay=timing.delay.backward,
-            )
+        force = LiftedSignal(
+            network,
+            np.zeros(plant.size) if passed else own,
+            {computed: 1.0} if passed else {up: 1.0},
+            None if relayed else from_hand,
         )
+        down = _sent(signals, force, back)
         if relayed:  # the hand's device takes it at its own next tick
             nothing = np.zeros(plant.size)
-            signals.append(LiftedSignal(control, nothing, {len(signals) - 1: 1.0}, from_hand))
+            signals.append(LiftedSignal(control, nothing, {down: 1.0}, from_hand))
     wall = plant.row((body, -model.wall_stiffness, -model.wall_damping))
     signals.append(LiftedSignal(control, wall, {}, plant.force((body, 1.0)), delay=late))
     signals.append(_compensation(plant, body, model.compensation, control))
     return signals
+
+
+def _sent(signals: list[LiftedSignal], sent: LiftedSignal, delay: tuple[int, int]) -> int:
+    """Add what the network carries as it is heard, (samples, ticks) later; that signal's number.
+
+    The ticks are those of a second signal, which takes the first at every tick.
+    """
+    samples, ticks = delay
+    signals.append(replace(sent, delay=samples, force=None if ticks else sent.force))
+    if ticks:
+        last = {len(signals) - 1: 1.0}
+        signals.append(LiftedSignal(1, np.zeros(sent.state.size), last, sent.force, delay=ticks))
+    return len(signals) - 1
 
 
 def _known(timing: Timing) -> int:

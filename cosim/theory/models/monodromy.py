@@ -256,7 +256,11 @@ def monodromy(model: Model, timing: Timing) -> tuple[Real, Real]:
         The map, shape (n, n), and the translation, shape (n,). n counts every value under way on
         the network, so the matrix is larger than that of the other routes; its nonzero eigenvalues
         are the same.
+
+    Raises:
+        InputError: where a delay is no whole number of network samples.
     """
+    timing.refuse_ticks()
     world = _World(model, timing)
     moves = world.is_position()
     world.start(list(np.eye(len(moves))))

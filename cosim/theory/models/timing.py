@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Literal
 
@@ -22,14 +23,17 @@ LONGEST_HYPERPERIOD = 100_000
 
 @dataclass(frozen=True, slots=True)
 class PathDelay:
-    """The delay of the two directions of a channel, in whole network samples.
+    """The delay of the two directions of a channel, in whole network samples and ticks beyond them.
 
     ``forward`` is from the first-named end (centralized: from the client to the server;
-    distributed: from the lower user number to the higher), ``backward`` the other way.
+    distributed: from the lower user number to the higher), ``backward`` the other way. A tick is
+    the timing's base tick; with one the loop has no frame map, and is lifted as a whole.
     """
 
     forward: int = 0
     backward: int = 0
+    forward_ticks: int = 0
+    backward_ticks: int = 0
 
     def __post_init__(self) -> None:
         """Refuse negative delays, and those that no analysis here can carry.
@@ -37,7 +41,9 @@ class PathDelay:
         Raises:
             InputError: where a delay is negative or longer than ``LONGEST_DELAY``.
         """
-        for name, samples in (("forward", self.forward), ("backward", self.backward)):
+        for name, (samples, ticks) in zip(("forward", "backward"), self.ways, strict=True):
+            if ticks < 0:
+                raise InputError(f"The {name} delay is {ticks} ticks: it cannot be negative.")
             if samples < 0:
                 raise InputError(
                     f"The {name} delay is {samples} network samples: it cannot be negative."
@@ -66,6 +72,16 @@ class PathDelay:
     def total(self) -> int:
         """The round trip, in network samples (the thesis's n)."""
         return self.forward + self.backward
+
+    @property
+    def ways(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Samples and ticks forward, and backward."""
+        return (self.forward, self.forward_ticks), (self.backward, self.backward_ticks)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether both directions take whole samples."""
+        return not self.forward_ticks and not self.backward_ticks
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,13 +156,39 @@ class Timing:
         """T_t in s."""
         return self.control_period * self.ratio
 
+    def delayed(self, forward: Fraction, backward: Fraction) -> Timing:
+        """The same with these delays (network samples), to the tick at which they are heard."""
+        ways: list[int] = []
+        for way in (forward, backward):
+            samples, ticks = divmod(math.ceil(way * self.network_ticks), self.network_ticks)
+            ways += [samples, ticks]
+        return replace(self, delay=PathDelay(ways[0], ways[2], ways[1], ways[3]))
+
+    def refuse_ticks(self) -> None:
+        """Refuse a delay between two network samples.
+
+        Raises:
+            InputError: it is no whole number of them.
+        """
+        if not self.delay.is_whole:
+            raise InputError(
+                "The delay lies between two network samples: this analysis needs whole ones. "
+                "Stability and damping (radius, boundary, damping) take any."
+            )
+
+    @property
+    def has_frame(self) -> bool:
+        """Whether one network period takes the loop from sample to sample."""
+        return self.ratio.denominator == 1 and self.delay.is_whole
+
     @property
     def samples_per_frame(self) -> int:
         """N = T_t / T_c, where it is a whole number.
 
         Raises:
-            InputError: where the ratio is not a whole number.
+            InputError: where the ratio or the delay is not a whole number.
         """
+        self.refuse_ticks()
         if self.ratio.denominator != 1:
             raise InputError(
                 f"The ratio {self.ratio} is not a whole number: this analysis needs the network "

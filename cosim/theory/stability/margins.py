@@ -10,7 +10,7 @@ import numpy as np
 from cosim.base.errors import InputError
 from cosim.theory.chance.mean_square import critical_loss
 from cosim.theory.models.mass_spring_damper import Centralized, Model
-from cosim.theory.models.timing import PathDelay, Timing
+from cosim.theory.models.timing import Timing
 from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 FURTHEST_GAIN = 100.0
@@ -111,7 +111,11 @@ def _around_one(radius: Callable[[float], float]) -> tuple[float, float]:
 def _delay_margin(model: Model, timing: Timing) -> int | None:
     start = timing.delay
     for extra in range(1, FURTHEST_DELAY + 1):
-        late = PathDelay(start.forward + extra - extra // 2, start.backward + extra // 2)
+        late = replace(
+            start,
+            forward=start.forward + extra - extra // 2,
+            backward=start.backward + extra // 2,
+        )
         if not stability(model, replace(timing, delay=late)).stable:
             return extra - 1
     return None

@@ -43,9 +43,9 @@ def stability(model: Model, timing: Timing) -> Stability:
     """The spectral radius that decides the stability of a loop, at any ratio of the rates.
 
     A ratio p/q that is not whole is lifted over its hyperperiod, and ρ is brought back to one
-    network period by the q-th root.
+    network period by the q-th root. A delay between two samples is lifted as well.
     """
-    if timing.ratio.denominator == 1:
+    if timing.has_frame:
         frame = assemble(model, timing).frame()
         spectrum = decisive_spectrum(frame.map, None if model.grounded else frame.translation)
         return Stability(spectrum.radius, spectrum.marginal, spectrum)

@@ -52,7 +52,7 @@ def limit_damping(
 
 def _drift(model: Model, timing: Timing, user: int, kind: DampingModel) -> tuple[float, Real, int]:
     """The force for a drift at 1 m/s, the state, and where the felt body is in it."""
-    if timing.ratio.denominator != 1:
+    if not timing.has_frame:
         pushed = () if kind == "simplified" else (user,)
         direct = direct_model(model, timing, push_hands=pushed, push_objects=kind == "simplified")
         period = float(timing.network_period * direct.network_samples)
