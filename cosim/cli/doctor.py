@@ -75,7 +75,7 @@ def _notes(seconds: float) -> Iterator[DoctorNote]:
 
 
 def _left_in_memory() -> int:
-    from cosim.realtime.live import shared_folder
+    from cosim.base.system.room import shared_folder
     from cosim.realtime.shared.leftovers import remove_leftovers
 
     return remove_leftovers(shared_folder())

@@ -99,12 +99,14 @@ def command(
     with ExitStack() as stack:
         control = PlayControl.create()
         stack.callback(control.remove)
-        boxes = {user.station: Mailbox.create() for user in users}
-        for box in boxes.values():
-            stack.callback(box.remove)
-        rings = {station: Ring.create(KNOBS, capacity=16) for station in places(knobs)}
-        for ring in rings.values():
-            stack.callback(ring.remove)
+        boxes: dict[str, Mailbox] = {}
+        for user in users:
+            boxes[user.station] = Mailbox.create()
+            stack.callback(boxes[user.station].remove)
+        rings: dict[str, Ring] = {}
+        for station in places(knobs):
+            rings[station] = Ring.create(KNOBS, capacity=16, what="the knobs of a page")
+            stack.callback(rings[station].remove)
         server = stack.enter_context(
             ServerProcess(
                 listening(live_at or ANYWHERE),

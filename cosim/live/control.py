@@ -24,8 +24,12 @@ class PlayControl:
 
     @classmethod
     def create(cls) -> Self:
-        """A new one: full speed, going on."""
-        made = cls(Ring.create(CELLS, capacity=16))
+        """A new one: full speed, going on.
+
+        Raises:
+            RunError: there is no room for it in shared memory.
+        """
+        made = cls(Ring.create(CELLS, capacity=16, what="the buttons of a page"))
         made.put()
         return made
 

@@ -20,8 +20,12 @@ class Mailbox:
 
     @classmethod
     def create(cls) -> Self:
-        """A new one, empty."""
-        return cls(Ring.create(CELLS, capacity=16))
+        """A new one, empty.
+
+        Raises:
+            RunError: there is no room for it in shared memory.
+        """
+        return cls(Ring.create(CELLS, capacity=16, what="the pointer of a page"))
 
     @classmethod
     def attach(cls, path: Path) -> Self:

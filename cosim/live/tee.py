@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from fractions import Fraction
 
 from cosim.base.recording import RecordGroup, Rows, Sink
@@ -49,14 +50,13 @@ def run_watched(
     from cosim.scene import describe_scene
 
     scenario, groups = simulation.scenario, simulation.groups
-    rings = make_rings(groups, scenario.base_rate)
     start = float(scenario.start_time)
-    feed = Feed(scenario.name, float(scenario.base_rate), {}, rings, start=start)
-    try:
+    with ExitStack() as stack:
+        rings = make_rings(groups, scenario.base_rate)
+        for ring in rings:
+            stack.callback(ring.remove)
+        feed = Feed(scenario.name, float(scenario.base_rate), {}, rings, start=start)
+        stack.callback(feed.remove)
         scene = describe_scene(simulation.assembly, groups)
         feed.publish(groups, None, {"scene": scene, "starter": starter})
         simulation.run(TeeSink(recorder, rings), progress=progress, keep_fmus=True)
-    finally:
-        feed.remove()
-        for ring in rings:
-            ring.remove()

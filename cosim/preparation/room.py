@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 from cosim.base.errors import InputError
+from cosim.base.system.room import in_words
 from cosim.master.run.simulation import Simulation
 from cosim.record.folder import RUNS
 from cosim.record.layout import CELL_BYTES, rows_in
@@ -34,7 +35,7 @@ def room_for_the_record(simulation: Simulation, folder: Path | None) -> list[str
     needed = record_bytes(simulation)
     place = _existing((RUNS if folder is None else folder).absolute())
     free = shutil.disk_usage(place).free
-    said = f"the record takes {_size(needed)}, and {_size(free)} are free at {place}"
+    said = f"the record takes {in_words(needed)}, and {in_words(free)} are free at {place}"
     if needed > free:
         raise InputError(f"{said}; record fewer signals, at a lower rate or for a shorter time")
     return [said] if needed > LARGE_SHARE * free else []
@@ -42,13 +43,3 @@ def room_for_the_record(simulation: Simulation, folder: Path | None) -> list[str
 
 def _existing(folder: Path) -> Path:
     return next(path for path in (folder, *folder.parents) if path.exists())
-
-
-def _size(count: int) -> str:
-    """In decimal units, as disks are sold."""
-    value, unit = float(count), "bytes"
-    for larger in ("kB", "MB", "GB", "TB", "PB"):
-        if value < 1000:
-            break
-        value, unit = value / 1000, larger
-    return f"{value:.3g} {unit}"

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from cosim.base.recording import RecordGroup
+from cosim.base.system.room import no_room, shared_folder
 from cosim.base.system.supervised import DeviceCells, Opens, Supervised
 from cosim.realtime.ring import Ring
 
@@ -79,8 +79,12 @@ class Feed:
             devices: by component.
             rings: what is recorded.
             start: model time (s) of tick 0.
+
+        Raises:
+            RunError: there is no room for it in shared memory.
         """
-        self.status = Ring.create(len(LOOP_CELLS) + len(DEVICE_CELLS) * len(devices), STATUS_ROWS)
+        cells = len(LOOP_CELLS) + len(DEVICE_CELLS) * len(devices)
+        self.status = Ring.create(cells, STATUS_ROWS, what="the state of the loop and its devices")
         self.path = shared_folder() / f"{PREFIX}{os.getpid()}-{id(self):x}.json"
         self._content: dict[str, Any] = {
             "name": name,
@@ -113,7 +117,11 @@ class Feed:
         folder: Path | None = None,
         more: Mapping[str, Any] | None = None,
     ) -> None:
-        """Let others find it, with what is recorded in its rings and where to, and ``more``."""
+        """Let others find it, with what is recorded in its rings and where to, and ``more``.
+
+        Raises:
+            RunError: there is no room for it in shared memory.
+        """
         self._content |= more or {}
         self._content["folder"] = None if folder is None else str(folder.resolve())
         self._content["groups"] = [
@@ -126,16 +134,16 @@ class Feed:
             for group, ring in zip(groups, self._rings, strict=True)
         ]
         part = self.path.with_suffix(".part")
-        part.write_text(json.dumps(self._content), encoding="utf-8")
-        part.replace(self.path)
+        content = json.dumps(self._content).encode()
+        try:
+            part.write_bytes(content)
+            part.replace(self.path)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            what = "what others are told of the run"
+            raise no_room(what, len(content), self.path.parent, error) from error
 
     def remove(self) -> None:
         """The run is over; who is attached keeps what it has seen."""
         self.path.unlink(missing_ok=True)
         self.status.remove()
-
-
-def shared_folder() -> Path:
-    """Where rings and their descriptions lie."""
-    shared = Path("/dev/shm")
-    return shared if shared.is_dir() else Path(tempfile.gettempdir())

@@ -18,6 +18,7 @@ from cosim.base.errors import InputError, RunError
 from cosim.base.recording import Sink
 from cosim.base.system.grants import Grant
 from cosim.base.system.pulse import Pulse
+from cosim.base.system.room import shared_folder
 from cosim.base.system.supervised import Supervised
 from cosim.master.run.execution.loop import Progress
 from cosim.master.run.obituary import COMPLETE, KEPT, NOTHING, obituary
@@ -25,7 +26,7 @@ from cosim.master.run.simulation import Simulation
 from cosim.realtime.command import Watch, zero_the_rest
 from cosim.realtime.control_loop import ControlLoop, LoopPacer
 from cosim.realtime.devices_of_run import DevicesOfRun
-from cosim.realtime.live import Feed, shared_folder
+from cosim.realtime.live import Feed
 from cosim.realtime.messages import Begun, Ending, LoopReport, Message, Over, say
 from cosim.realtime.relay import RelayPump, make_rings, make_text_ring
 from cosim.realtime.ring import Ring
@@ -79,22 +80,16 @@ class PacedRun:
         if not hasattr(os, "fork"):
             raise InputError("real time needs Linux or macOS: this system cannot fork the loop")
         simulation.whereabouts.is_watched = True  # the loop's process, by its supervisor
-        run = _Run(self, simulation)
-        devices = self._devices = run.devices
+        remove_leftovers(shared_folder())
         with ExitStack() as stack:
-            stack.callback(devices.let_go)
+            run = _Run(self, simulation, stack)
+            devices = self._devices = run.devices
             try:
-                remove_leftovers(shared_folder())
                 devices.open_shared()
             except BaseException:
                 devices.close_all()  # nothing was forked yet: they are ours to zero
                 raise
             devices.ask_for_the_rest()
-            for ring in run.rings:
-                stack.callback(ring.remove)
-            stack.callback(run.feed.remove)
-            if run.texts is not None:
-                stack.callback(run.texts.remove)
             killed = run.record(recorder, progress)
         self._conclude(simulation, killed, devices.unsure())
 
@@ -202,15 +197,20 @@ class PacedRun:
 
 
 class _Run:
-    """One run's rings and processes."""
+    """One run's rings and processes; ``stack`` gives back what it takes."""
 
-    def __init__(self, paced: PacedRun, simulation: Simulation) -> None:
+    def __init__(self, paced: PacedRun, simulation: Simulation, stack: ExitStack) -> None:
         self._paced, self._simulation = paced, simulation
         self._pulse: Pulse = paced.pulse
         self._rate: Fraction = simulation.scenario.base_rate
         self.devices = DevicesOfRun(simulation, paced.pulse)
+        stack.callback(self.devices.let_go)
         self.rings: list[Ring] = make_rings(simulation.groups, self._rate)
+        for ring in self.rings:
+            stack.callback(ring.remove)
         self.texts = make_text_ring(simulation.groups)
+        if self.texts is not None:
+            stack.callback(self.texts.remove)
         self._more = paced.about(simulation) if paced.about is not None else None
         self.feed = Feed(
             simulation.scenario.name,
@@ -219,6 +219,7 @@ class _Run:
             self.rings,
             start=float(simulation.scenario.start_time),
         )
+        stack.callback(self.feed.remove)
 
     def record(self, recorder: Sink, progress: Progress | None) -> str | None:
         """Fork, and record until nobody can write any more; why they were killed, if they were."""

@@ -10,6 +10,7 @@ before they were read are counted, and recorded as held.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from fractions import Fraction
 
 import numpy as np
@@ -111,11 +112,19 @@ class RelayPump:
 
 
 def make_rings(groups: Sequence[RecordGroup], rate: Fraction) -> list[Ring]:
-    """A ring for each record group of a scenario with that base rate (Hz)."""
-    rings: list[Ring] = []
-    for group in groups:
-        capacity = max(64, int(SECONDS * float(rate) / group.period))
-        rings.append(Ring.create(max(1, len(group.columns)), capacity))
+    """A ring for each record group of a scenario with that base rate (Hz).
+
+    Raises:
+        RunError: there is no room for all of them; then there is none.
+    """
+    with ExitStack() as undone:
+        rings: list[Ring] = []
+        for group in groups:
+            capacity = max(64, int(SECONDS * float(rate) / group.period))
+            what = f"the rows of {group.name} on their way to the record"
+            rings.append(Ring.create(max(1, len(group.columns)), capacity, what=what))
+            undone.callback(rings[-1].remove)
+        undone.pop_all()
     return rings
 
 

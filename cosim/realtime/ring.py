@@ -18,7 +18,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.realtime.shared.shared_file import hold, new_path
+from cosim.realtime.shared.shared_file import hold, new_file
 
 _HEAD_CELLS = 8
 _MAGIC = 0x636F68617074
@@ -51,17 +51,26 @@ class Ring:
         """Shape (capacity, cells)."""
 
     @classmethod
-    def create(cls, cells: int, capacity: int = 4096, path: Path | None = None) -> Self:
-        """A new ring, in memory where the system has a place for that."""
-        in_memory = path is None
-        if path is None:
-            path = new_path()
+    def create(
+        cls,
+        cells: int,
+        capacity: int = 4096,
+        path: Path | None = None,
+        *,
+        what: str = "a ring of values",
+    ) -> Self:
+        """A new ring, in memory where the system has a place for that.
+
+        Raises:
+            RunError: there is no room for it there; ``what`` says for what.
+        """
         empty = np.full(_HEAD_CELLS + capacity * (cells + 2), -1, np.int64)
         empty[:4] = (_MAGIC, 0, capacity, cells)
-        path.write_bytes(empty.tobytes())
-        ring = cls(path)
-        if in_memory:
-            ring._held = hold(path)
+        if path is not None:
+            path.write_bytes(empty.tobytes())
+            return cls(path)
+        ring = cls(new_file(empty.tobytes(), what))
+        ring._held = hold(ring.path)
         return ring
 
     @property

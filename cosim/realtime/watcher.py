@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.errors import InputError
+from cosim.base.system.room import shared_folder
 from cosim.base.system.supervised import DeviceCells
-from cosim.realtime.live import DEVICE_CELLS, LOOP_CELLS, PREFIX, shared_folder
+from cosim.realtime.live import DEVICE_CELLS, LOOP_CELLS, PREFIX
 from cosim.realtime.ring import Reader, Ring
 
 Pair = tuple[float, float]

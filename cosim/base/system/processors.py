@@ -9,10 +9,11 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
+
+from cosim.base.system.room import shared_folder
 
 if sys.platform != "win32":
     import fcntl
@@ -28,7 +29,7 @@ def claim(processors: Sequence[int], folder: Path | None = None) -> int | None:
     """Claim the least used of some processors; ``None`` where others have claimed them all."""
     used = _use()
     for processor in sorted(processors, key=lambda number: (used.get(number, 0.0), -number)):
-        lock = _lock(processor, folder or _folder())
+        lock = _lock(processor, folder or shared_folder())
         if lock is not None:
             _claims.append(lock)
             return processor
@@ -39,11 +40,6 @@ def release() -> None:
     """Give up what this process has claimed."""
     while _claims:
         os.close(_claims.pop())
-
-
-def _folder() -> Path:
-    shared = Path("/dev/shm")
-    return shared if shared.is_dir() else Path(tempfile.gettempdir())
 
 
 def _lock(processor: int, folder: Path) -> int | None:

@@ -6,9 +6,10 @@ import contextlib
 import mmap
 import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import Self
+
+from cosim.base.system.room import new_shared_file
 
 if sys.platform != "win32":
     import fcntl
@@ -29,13 +30,13 @@ def hold(path: Path) -> int | None:
     return held
 
 
-def new_path() -> Path:
-    """An empty file, in memory where the system has a place for that."""
-    shared = Path("/dev/shm")
-    folder = shared if shared.is_dir() else Path(tempfile.gettempdir())
-    descriptor, name = tempfile.mkstemp(prefix=PREFIX, dir=folder)
-    os.close(descriptor)
-    return Path(name)
+def new_file(content: bytes, what: str) -> Path:
+    """A file with that content, in memory where the system has a place for that.
+
+    Raises:
+        RunError: there is no room for it; ``what`` says for what.
+    """
+    return new_shared_file(content, what, PREFIX)
 
 
 class SharedFile:
@@ -48,19 +49,13 @@ class SharedFile:
         self._held = hold(path)
 
     @classmethod
-    def create(cls, content: bytes) -> Self:
+    def create(cls, content: bytes, what: str) -> Self:
         """A new one with that content.
 
         Raises:
-            OSError: there is no room for it.
+            RunError: there is no room for it; ``what`` says for what.
         """
-        path = new_path()
-        try:
-            path.write_bytes(content)
-            return cls(path)
-        except OSError:
-            path.unlink(missing_ok=True)
-            raise
+        return cls(new_file(content, what))
 
     def remove(self) -> None:
         """Let go, and remove the file."""

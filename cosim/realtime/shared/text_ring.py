@@ -42,9 +42,10 @@ class TextRing:
         """A new one.
 
         Raises:
-            OSError: there is no room for it.
+            RunError: there is no room for it.
         """
-        return cls(SharedFile.create(bytes(_HEAD_BYTES + capacity)))
+        content = bytes(_HEAD_BYTES + capacity)
+        return cls(SharedFile.create(content, "the texts on their way to the record"))
 
     @property
     def skipped(self) -> int:

@@ -11,7 +11,6 @@ import pickle
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -25,7 +24,7 @@ from cosim.base.errors import RunError
 from cosim.sweep.job import Job, RunResult, Task
 from cosim.sweep.work.message_socket import MessageSocket
 from cosim.sweep.work.messages import READY, ResultReader, task_bytes
-from cosim.sweep.work.traces import last_words, room_in
+from cosim.sweep.work.traces import last_words, traces_file
 from cosim.sweep.work.variants import Variants
 
 AHEAD = 2
@@ -199,8 +198,7 @@ class LocalPool:
 
     def _hire(self) -> _Worker:
         ours, theirs = socket.socketpair()
-        traces = tempfile.TemporaryFile()  # noqa: SIM115 - closed when the worker is gone
-        room_in(traces.fileno())
+        traces = traces_file()  # closed when the worker is gone
         with theirs:
             passed = [theirs.fileno(), traces.fileno()]
             process = subprocess.Popen(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
+from typing import IO
 
+from cosim.base.system.room import nameless_shared_file
 from cosim.master.run.obituary import obituary
 from cosim.master.run.whereabouts import SPAN, Whereabouts
 from cosim.scenario import Scenario
@@ -16,7 +17,7 @@ class Traces:
     """A place for each simulation; without a file nobody else sees them."""
 
     def __init__(self, file: int | None = None) -> None:
-        """``file`` is an open one, as long as it takes (``room_in``)."""
+        """``file`` is one of ``traces_file``."""
         self._free = [] if file is None else [Whereabouts(file, n) for n in range(PLACES)]
 
     def take(self) -> Whereabouts:
@@ -29,9 +30,13 @@ class Traces:
         self._free.append(place)
 
 
-def room_in(file: int) -> None:
-    """Make an empty file as long as the places of a worker need it to be."""
-    os.ftruncate(file, PLACES * SPAN)
+def traces_file() -> IO[bytes]:
+    """An open file for the places of a worker.
+
+    Raises:
+        RunError: there is no room for it.
+    """
+    return nameless_shared_file(PLACES * SPAN, "what a worker of a sweep is doing")
 
 
 def last_words(file: int, status: int, scenario: Scenario) -> str:

@@ -13,7 +13,6 @@ import os
 import socket
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -22,6 +21,7 @@ from typing import Any
 from cosim.base.component import VariableType
 from cosim.base.errors import InputError, RunError
 from cosim.base.system.manner import manner
+from cosim.base.system.room import nameless_shared_file
 from cosim.master.fmu.binding import EVENT_FUNCTIONS, OK, InstanceWanted
 from cosim.master.fmu.isolation.exchange import Exchange, Room, receive, send
 from cosim.master.fmu.log import Log
@@ -61,8 +61,8 @@ class Isolated:
         self.handle = 0
         self._version, self._calling = version, calling
         with ExitStack() as ours, ExitStack() as theirs:
-            file = ours.enter_context(tempfile.TemporaryFile())
-            file.truncate(room.size)
+            what = "the memory that an isolated FMU shares with its process"
+            file = ours.enter_context(nameless_shared_file(room.size, what))
             ear, their_mouth = os.pipe()
             their_ear, mouth = os.pipe()
             for end, stack in (
