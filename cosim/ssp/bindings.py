@@ -93,6 +93,18 @@ class BoundValues:
         except InputError as error:
             self._notes.append(f"a parameter set: {error.message}")
             return
+        if variable.name in self._hierarchy.fmus[path].calculated:
+            self._notes.append(
+                f"{'.'.join((*path, name))} is calculated by its FMU, so the value that is given "
+                "for it is left out"
+            )
+            return
+        here = self._hierarchy.unit_at((path, name))
+        if given.unit is not None and given.unit.exponents is None and given.unit != here:
+            self._notes.append(
+                f"{'.'.join((*path, name))}: nobody says what {given.unit.name} measures, so its "
+                "number is taken as it is"
+            )
         value = self._in_unit(given, (path, name)).value
         if variable.meaning is Meaning.FILE and value:
             value = str((self._hierarchy.file.parent / str(value)).absolute())

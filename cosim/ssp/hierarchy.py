@@ -8,11 +8,12 @@ and ``end``.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from cosim.base.component import Variable
+from cosim.base.document.plain_name import plain_name
 from cosim.base.errors import InputError
 from cosim.base.quantities.units import Unit, unit_of
 from cosim.base.suggest import did_you_mean
@@ -92,9 +93,10 @@ class Hierarchy:
         return self.unit(port[0], self.variable(*port)) is not None
 
     def contradictions(self) -> list[str]:
-        """Connectors whose unit is another one than that of the FMU, which counts."""
+        """What connectors say that their FMU does not; where it is the unit, the FMU counts."""
         found: list[str] = []
         for path, component in self.components.items():
+            found += self._strangers(path, component)
             for name, written in component.units.items():
                 variable = self.fmus[path].variables.get(name)
                 own = None if variable is None else self.unit(path, variable)
@@ -106,6 +108,24 @@ class Hierarchy:
                         f"{own.name}: the FMU's unit counts"
                     )
         return found
+
+    def _strangers(self, path: Path, component: SspComponent) -> Iterator[str]:
+        """Connectors that the FMU has not, or has of another kind or type."""
+        fmu = self.fmus[path]
+        clocks = set[str]() if fmu.events is None else fmu.events.clock_names()
+        for name, kind in component.kinds.items():
+            where, variable = f"the connector {'.'.join(path)}.{name}", fmu.variables.get(name)
+            if name in clocks or name in fmu.skipped:
+                continue
+            if variable is None:
+                yield f"{where} is of nothing that its FMU has"
+                continue
+            if kind not in {"unspecified", "inout", str(variable.causality)}:
+                own = f"its FMU's variable is of causality {variable.causality}"
+                yield f"{where} is written as of kind {kind}; {own}"
+            said = component.types.get(name, "")
+            if said and _family(said) != _family(str(variable.type)):
+                yield f"{where} is written as {said}; its FMU's variable is of type {variable.type}"
 
     def _collect(self, system: SspSystem, at: Path) -> None:
         self.systems[at] = system
@@ -128,7 +148,7 @@ class Hierarchy:
             self._add(connection, system, at)
 
     def _name(self, path: Path) -> str:
-        wanted = re.sub(r"\W", "_", "_".join(path)).lstrip("_0123456789") or "component"
+        wanted = plain_name("_".join(path)) or "component"
         name, number = wanted, 2
         while name in self.names.values():
             name, number = f"{wanted}_{number}", number + 1
@@ -178,13 +198,26 @@ class Hierarchy:
                 place(self.file, connection.element),
             )
         kind = element.kinds.get(connector, element.kinds.get(key, "unspecified"))
-        if kind == "unspecified" and isinstance(element, SspComponent):
-            kind = self._kind_of((*at, name), connector)
+        if isinstance(element, SspComponent):
+            try:
+                variable = self.variable((*at, name), connector)
+            except InputError as error:
+                raise InputError(error.message, place(self.file, connection.element)) from None
+            kind = str(variable.causality) if kind == "unspecified" else kind
+        elif key not in element.kinds and connector not in element.kinds:
+            raise InputError(
+                f"the system '{name}' has no connector '{connector}'."
+                f"{did_you_mean(connector, element.kinds)}",
+                place(self.file, connection.element),
+            )
         return ((*at, name), connector), is_sink(kind, outside=True)
 
-    def _kind_of(self, path: Path, connector: str) -> str:
-        variable = self.fmus[path].variables.get(connector)
-        return "unspecified" if variable is None else str(variable.causality)
+
+def _family(kind: str) -> str:
+    """What values of a type are, whatever room they take."""
+    if kind in {"Real", "Float32", "Float64"}:
+        return "real"
+    return "whole" if kind == "Enumeration" or "Int" in kind else kind
 
 
 def _same(one: Unit, other: Unit) -> bool:

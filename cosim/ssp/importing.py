@@ -8,7 +8,7 @@ from typing import Any
 
 from cosim.base.component import Causality
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import format_exact
+from cosim.base.quantities.quantity import decimal, format_exact
 from cosim.base.quantities.units import Unit, conversion
 from cosim.ssp.bindings import BoundValues
 from cosim.ssp.conversions import UNCHANGED, Linear, between
@@ -38,10 +38,16 @@ class _Importer:
         times = {"start_time": format_exact(start)} if start else {}
         duration = duration_of(self._structure, own, start, stop_time)
         rest = {"cohaptic": 1, "title": title, **times, "duration": duration, **own}
-        names, parts = self._hierarchy.names.items(), dict(own.get("components", {}))
+        names = self._hierarchy.names.items()
+        parts, more = own.get("components", {}), own.get("connections", [])
+        if not isinstance(parts, dict) or not isinstance(more, list):
+            raise InputError(
+                f"the annotation of {self._structure.file.name} has components that are no "
+                "mapping, or connections that are no list."
+            )
         return rest | {
             "components": {name: self._component(path) for path, name in names} | parts,
-            "connections": [*self._connections(), *own.get("connections", [])],
+            "connections": [*self._connections(), *more],
         }
 
     def _connections(self) -> list[dict[str, Any]]:
@@ -172,8 +178,8 @@ class _Importer:
 
     def _written_step(self, path: Path, text: str) -> Fraction:
         try:
-            found = Fraction(text)
-        except (ValueError, ZeroDivisionError):
+            found = decimal(text)
+        except ValueError:
             found = Fraction(0)
         if found <= 0:
             element = self._hierarchy.components[path].element

@@ -8,35 +8,45 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
 from xml.etree import ElementTree as ET
 from zipfile import BadZipFile, ZipFile
 
 from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 from cosim.ssp.documents import Element, local, number, place, read_xml
 from cosim.ssp.parameters import GivenValue, ParameterBinding
 from cosim.ssp.structure import SspComponent, SspConnection, SspStructure, SspSystem
 
 OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _N = {"o": OSP}
-_KINDS = {"Real": float, "Integer": int, "String": str}
+_TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def read_osp(root: Element, file: Path) -> SspStructure:
-    """The structure that it describes.
+def read_osp(root: Element, file: Path, notes: list[str]) -> SspStructure:
+    """The structure that it describes; ``notes`` gets what is worth telling.
 
     Raises:
         InputError: it uses what cannot be used here, with its place.
     """
     system = SspSystem("root", {}, [])
     step = root.findtext("o:BaseStepSize", None, _N)
+    algorithm = root.findtext("o:Algorithm", "fixedStep", _N)
+    if algorithm != "fixedStep":
+        notes.append(f"the algorithm {algorithm} is not known here: steps have a fixed length")
     for each in root.findall("o:Simulators/o:Simulator", _N):
         name = each.get("name", "")
-        source = file.parent / each.get("source", "").removeprefix("file:")
+        if name in system.elements:
+            raise InputError(f"there are two simulators '{name}'.", place(file, each))
+        if not name or not each.get("source"):
+            raise InputError("a simulator has a name and a source.", place(file, each))
+        source = file.parent / unquote(each.get("source", "").removeprefix("file:"))
         system.elements[name] = SspComponent(
             name=name,
             source=source,
             kinds=_causalities(source),
-            bindings=[_initial_values(each, file)],
+            bindings=[_initial_values(each, file, notes)],
             step=each.get("stepSize") or step,
             own={},
             element=each,
@@ -70,27 +80,43 @@ def _causalities(source: Path) -> dict[str, str]:
     }
 
 
-def _initial_values(simulator: Element, file: Path) -> ParameterBinding:
+def _initial_values(simulator: Element, file: Path, notes: list[str]) -> ParameterBinding:
     values: dict[str, GivenValue] = {}
     for each in simulator.findall("o:InitialValues/o:InitialValue", _N):
-        for child in each:
-            text = child.get("value", "")
-            kind = local(child)
-            try:
-                value = text in {"true", "1"} if kind == "Boolean" else _KINDS.get(kind, str)(text)
-            except ValueError:
-                raise InputError(f"'{text}' is no {kind}.", place(file, child)) from None
-            values[each.get("variable", "")] = GivenValue(value, None)
+        name = each.get("variable", "")
+        if len(each) != 1:
+            raise InputError(f"the initial value of '{name}' is not one.", place(file, each))
+        if name in values:
+            notes.append(f"{place(file, each)}: {name} is given twice; the last value counts")
+        values[name] = GivenValue(_value(each[0], file), None)
     return ParameterBinding(values, ())
+
+
+def _value(element: Element, file: Path) -> Any:
+    kind, text = local(element), element.get("value", "")
+    try:
+        if kind == "Real":
+            return number(element, "value", "", file)
+        if kind == "Integer":
+            return int(text)
+        if kind == "Boolean":
+            return _TRUTHS[text]
+    except (InputError, ValueError, KeyError):
+        raise InputError(f"'{text}' is no {kind}.", place(file, element)) from None
+    if kind == "String":
+        return text
+    raise InputError(f"an initial value of type {kind} cannot be given.", place(file, element))
 
 
 def _connections(element: Element, system: SspSystem, file: Path) -> Iterator[SspConnection]:
     kind = local(element)
+    if len(element) != 2:
+        raise InputError(f"a {kind} has two ends, not {len(element)}.", place(file, element))
     if kind == "VariableConnection":
         yield _plain(element, *(_end(each) for each in element))
     elif kind == "VariableGroupConnection":
         groups = [_group(each, system, file) for each in element]
-        if len(groups) != 2 or len(groups[0]) != len(groups[1]):
+        if len(groups[0]) != len(groups[1]):
             raise InputError(
                 "the groups of a connection have different numbers of variables.",
                 place(file, element),
@@ -141,17 +167,31 @@ def _through_functions(
     out: list[tuple[str, tuple[str | None, str], Element]] = []
     for each in root.findall("o:Connections/o:SignalConnection", _N):
         variable, signal = each.find("o:Variable", _N), each.find("o:Signal", _N)
-        name = signal.get("function", "")
+        if variable is None or signal is None:
+            raise InputError("it does not join a variable to a signal.", place(file, each))
+        name, end = signal.get("function", ""), signal.get("name", "")
         function = functions.get(name)
-        if function is None or local(function) != "LinearTransformation":
-            what = "there is no function" if function is None else f"a {local(function)}"
-            raise InputError(f"{what} '{name}' cannot be used here.", place(file, each))
-        if signal.get("name") == "in":
-            into[name] = _end(variable)
-        else:
+        if function is None:
+            raise InputError(
+                f"there is no function '{name}'.{did_you_mean(name, functions)}", place(file, each)
+            )
+        if local(function) != "LinearTransformation":
+            raise InputError(
+                f"a {local(function)} '{name}' cannot be used here.", place(file, each)
+            )
+        if end not in {"in", "out"}:
+            raise InputError(
+                f"the function '{name}' has no signal '{end}': there are in and out.",
+                place(file, each),
+            )
+        if end == "in" and into.setdefault(name, _end(variable)) != _end(variable):
+            raise InputError(f"the function '{name}' is driven twice.", place(file, each))
+        if end == "out":
             out.append((name, _end(variable), each))
+    for name in into.keys() ^ {name for name, *_ in out}:
+        missing = "nothing takes what it gives" if name in into else "nothing drives it"
+        raise InputError(f"the function '{name}': {missing}.", place(file, functions[name]))
     for name, target, element in out:
-        if name in into:
-            factor = number(functions[name], "factor", "1", file)
-            offset = number(functions[name], "offset", "0", file)
-            yield SspConnection(into[name], target, factor, offset, True, {}, element)
+        factor = number(functions[name], "factor", "1", file)
+        offset = number(functions[name], "offset", "0", file)
+        yield SspConnection(into[name], target, factor, offset, True, {}, element)

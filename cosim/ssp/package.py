@@ -35,7 +35,7 @@ def read_system(path: Path, stop_time: Fraction | None) -> tuple[dict[str, Any],
     """
     file, notes = _file(path.expanduser().absolute()), list[str]()
     if namespace_of(root := read_xml(file)) == OSP:
-        structure = read_osp(root, file)
+        structure = read_osp(root, file, notes)
     else:
         root, broken = read_valid(file)
         if namespace_of(root) != SSD:

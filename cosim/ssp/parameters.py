@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,7 +78,7 @@ def _binding(element: Element, own: Path, file: Path) -> ParameterBinding:
     values: dict[str, GivenValue] = {}
     inline = element.find("ssd:ParameterValues/ssv:ParameterSet", NAMESPACES)
     if inline is not None:
-        values = _values(inline, file)
+        values = _values(inline, file, notes)
     elif source := element.get("source"):
         values = _from_file(_path(element, source, own, file), notes)
     mapping = element.find("ssd:ParameterMapping", NAMESPACES)
@@ -87,7 +88,7 @@ def _binding(element: Element, own: Path, file: Path) -> ParameterBinding:
             at = _path(mapping, mapping.get("source", ""), own, file)
             entries, found = read_valid(at)
             notes += found
-        values = _mapped(values, entries, at)
+        values = _mapped(values, entries, at, notes)
     prefix = element.get("prefix", "")
     return ParameterBinding({prefix + name: each for name, each in values.items()}, tuple(notes))
 
@@ -103,17 +104,20 @@ def _path(element: Element, source: str, own: Path, file: Path) -> Path:
 def _from_file(path: Path, notes: list[str]) -> dict[str, GivenValue]:
     root, found = read_valid(path)
     notes += found
-    return _values(root, path)
+    return _values(root, path, notes)
 
 
-def _values(root: Element, file: Path) -> dict[str, GivenValue]:
+def _values(root: Element, file: Path, notes: list[str]) -> dict[str, GivenValue]:
     units = read_units(root.find("ssv:Units", NAMESPACES), file)
     found: dict[str, GivenValue] = {}
     for parameter in root.findall("ssv:Parameters/ssv:Parameter", NAMESPACES):
         for child in parameter:
             if local(child) in {"Annotations", "Dimension"}:
                 continue
-            found[parameter.get("name", "")] = _value(child, units, file)
+            name = parameter.get("name", "")
+            if name in found:
+                notes.append(f"{place(file, child)}: {name} is given twice; the last value counts")
+            found[name] = _value(child, units, file)
     return found
 
 
@@ -132,7 +136,9 @@ def _value(element: Element, units: Mapping[str, Unit], file: Path) -> GivenValu
     try:
         values = [read(word) for word in text.split()]
     except (ValueError, KeyError):
-        raise InputError(f"'{text}' is no {kind}.", place(file, element)) from None
+        values = []
+    if not values or not all(map(math.isfinite, values)):
+        raise InputError(f"'{text}' is no {kind}.", place(file, element))
     return GivenValue(
         values[0] if len(values) == 1 else values,
         None if unit is None else units.get(unit) or unit_of(unit),
@@ -144,12 +150,15 @@ def _truth(word: str) -> bool:
 
 
 def _mapped(
-    values: Mapping[str, GivenValue], entries: Element, file: Path
+    values: Mapping[str, GivenValue], entries: Element, file: Path, notes: list[str]
 ) -> dict[str, GivenValue]:
     found: dict[str, GivenValue] = {}
     for entry in entries.findall("ssm:MappingEntry", NAMESPACES):
-        given = values.get(entry.get("source", ""))
-        if given is not None:
+        source = entry.get("source", "")
+        given = values.get(source)
+        if given is None:
+            notes.append(f"{place(file, entry)}: no parameter '{source}' is given to be mapped")
+        else:
             is_free = entry.get("suppressUnitConversion") in {"true", "1"}
             found[entry.get("target", "")] = GivenValue(
                 given.value,
@@ -171,13 +180,18 @@ def read_units(element: Element, file: Path) -> dict[str, Unit]:
     for unit in element.findall("ssc:Unit", NAMESPACES):
         base = unit.find("ssc:BaseUnit", NAMESPACES)
         name = unit.get("name", "")
-        if base is not None:
-            found[name] = Unit(
-                name,
-                tuple(int(number(base, power, "0", file)) for power in BASES),
-                exact(number(base, "factor", "1", file)),
-                exact(number(base, "offset", "0", file)),
+        if base is None:
+            continue
+        powers = [number(base, power, "0", file) for power in BASES]
+        factor = exact(number(base, "factor", "1", file))
+        if not factor or not all(power.is_integer() for power in powers):
+            raise InputError(
+                f"nothing converts to the unit {name}: its factor is 0, or one of its powers no "
+                "whole number.",
+                place(file, base),
             )
+        offset = exact(number(base, "offset", "0", file))
+        found[name] = Unit(name, tuple(map(int, powers)), factor, offset)
     return found
 
 

@@ -56,6 +56,8 @@ class SspComponent:
     element: Element
     units: dict[str, str] = field(default_factory=dict[str, str])
     """The unit's name of each connector that says one."""
+    types: dict[str, str] = field(default_factory=dict[str, str])
+    """The type of each connector that says one."""
 
 
 @dataclass(slots=True)
@@ -178,6 +180,7 @@ def _component(element: Element, file: Path) -> SspComponent:
         own=_own(element, "Component"),
         element=element,
         units=_units(element),
+        types=_types(element),
     )
 
 
@@ -219,6 +222,15 @@ def _units(element: Element) -> dict[str, str]:
             if unit := kind.get("unit"):
                 found[each.get("name", "")] = unit
     return found
+
+
+def _types(element: Element) -> dict[str, str]:
+    return {
+        each.get("name", ""): local(kind)
+        for each in element.findall("ssd:Connectors/ssd:Connector", NAMESPACES)
+        for kind in each
+        if local(kind) not in {"Dimension", "Annotations"}
+    }
 
 
 def _annotations(element: Element) -> Iterator[Element]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import format_exact
+from cosim.base.quantities.quantity import decimal, format_exact
 from cosim.ssp.structure import SspStructure
 
 
@@ -42,7 +42,7 @@ def duration_of(
 
 def _seconds(structure: SspStructure, what: str, text: str) -> Fraction:
     try:
-        return Fraction(text)
+        return decimal(text)
     except ValueError:
         raise InputError(
             f"the {what} of {structure.file.name} is {text}, which is no time to run at."

@@ -23,6 +23,9 @@ _NUMBER = re.compile(
     r"(?:\s*/\s*(?P<divisor>\d{1,40}))?\s*(?P<unit>[^\W\d_].*?|[%°].*?)?\s*",
     re.DOTALL,
 )
+_PLAIN = re.compile(
+    r"\s*[+-]?(?:\d{1,400}(?:\.\d{0,400})?|\.\d{1,400})(?:[eE][+-]?\d{1,3})?\s*", re.A
+)
 _COMMA = re.compile(r"\s*[+-]?\d+(,\d+)+(\.\d+)?(?![,\d])")
 
 
@@ -48,6 +51,17 @@ def split_quantity(text: str) -> tuple[Fraction, str | None]:
             raise QuantityError(f"'{text}' divides by zero.")
         number /= int(match["divisor"])
     return number, match["unit"]
+
+
+def decimal(text: str) -> Fraction:
+    """A number of somebody else's file, exactly; one whose powers of ten fill no memory.
+
+    Raises:
+        QuantityError: it is none.
+    """
+    if not _PLAIN.fullmatch(text):
+        raise QuantityError(f"'{text[:40]}' is not a number.{odd_characters(text[:40])}")
+    return Fraction(text)
 
 
 def exact(number: float) -> Fraction:
@@ -117,5 +131,5 @@ def format_exact(value: Fraction) -> str:
     """A fraction as a decimal where that is exact and short, else as ``a/b``."""
     if value.denominator == 1:
         return str(value.numerator)
-    decimal = repr(float(value)) if abs(value) < 10**300 else ""
-    return decimal if decimal and Fraction(decimal) == value else f"{value}"
+    short = repr(float(value)) if abs(value) < 10**300 else ""
+    return short if short and Fraction(short) == value else f"{value}"

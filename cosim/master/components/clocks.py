@@ -13,6 +13,7 @@ from xml.etree import ElementTree as ET
 
 from cosim.base.component import Causality, Variable, VariableType
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import decimal
 from cosim.scenario.build.timebase import hertz
 
 MOST_CLOCKS = 62
@@ -212,13 +213,13 @@ def check_grid(clock: ClockFacts, step: Fraction) -> None:
 def _time(written: Mapping[str, Any], what: str) -> Fraction | None:
     """s; the counter and the resolution are exact, where both are there."""
     counter, resolution = written[f"{what}Counter"], written["resolution"]
-    decimal = written[f"{what}Decimal"]
+    text = written[f"{what}Decimal"]
     try:
         if counter is not None and resolution is not None and int(resolution):
             return Fraction(int(counter), int(resolution))
-        return None if decimal is None else Fraction(decimal)
+        return None if text is None else decimal(text)
     except ValueError:
-        said = decimal if counter is None or resolution is None else f"{counter} / {resolution}"
+        said = text if counter is None or resolution is None else f"{counter} / {resolution}"
         raise InputError(
             f"the clock {written['name']} has the {what} '{said}', which is no time"
         ) from None

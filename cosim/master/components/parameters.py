@@ -62,6 +62,12 @@ def resolve_values(
                 f"their place ({value}) is computed by cohaptic.load, and cosim.scenario.load "
                 "was used"
             )
+        whole = variables.get(name.partition("[")[0]) if name.endswith("]") else None
+        if whole is not None and whole.shape:
+            size = " × ".join(map(str, whole.shape))
+            raise InputError(
+                f"{component}.{whole.name} is an array ({size}); give the whole of it, as a list"
+            )
         known = [v.name.split("[")[0] for v in variables.values() if v.causality in allowed]
         raise InputError(
             f"{component} has no {_kind(allowed)} '{name}'."

@@ -94,7 +94,7 @@ def _fill(home: Path, path: Path) -> None:
         _move(scratch, home)
     except (OSError, shutil.Error) as error:
         raise InputError(
-            f"the FMU {path} could not be unpacked into {home.parent}: {_why(error)}"
+            f"{path} could not be unpacked into {home.parent}: {_why(error)}"
         ) from None
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
@@ -146,7 +146,7 @@ def _extract(path: Path, folder: Path) -> None:
             for entry in archive.infolist():
                 archive.extract(entry, folder)
         except _DAMAGE as error:
-            raise InputError(f"the FMU {path} is a damaged zip archive: {error}") from None
+            raise InputError(f"{path} is a damaged zip archive: {error}") from None
 
 
 def _copy(given: Path, folder: Path) -> None:
@@ -159,7 +159,7 @@ def _open(path: Path) -> zipfile.ZipFile:
         return zipfile.ZipFile(path)
     except (zipfile.BadZipFile, EOFError, ValueError):
         raise InputError(
-            f"{path} is not a readable FMU: it is not a zip archive, or a damaged one"
+            f"{path} cannot be read: it is not a zip archive, or a damaged one"
         ) from None
     except OSError as error:
         raise InputError(f"the FMU {path} cannot be read: {error.strerror}") from None
@@ -175,25 +175,25 @@ def _check_entries(path: Path, archive: zipfile.ZipFile) -> None:
         place = PurePosixPath(name)
         if place.is_absolute() or ".." in place.parts or ":" in name.split("/")[0]:
             raise InputError(
-                f"the FMU {path} has an entry '{entry.filename}' that would be written outside its "
+                f"{path} has an entry '{entry.filename}' that would be written outside its "
                 "folder; it is refused"
             )
         if entry.flag_bits & _ENCRYPTED:
-            raise InputError(f"the FMU {path} is encrypted ('{name}'); unpack it with its password")
+            raise InputError(f"{path} is encrypted ('{name}'); unpack it with its password")
         if len(place.parts) > _DEEPEST:
             raise InputError(
-                f"the FMU {path} has an entry {len(place.parts)} folders deep ('{_brief(name)}'); "
+                f"{path} has an entry {len(place.parts)} folders deep ('{_brief(name)}'); "
                 "it is refused"
             )
         if met.setdefault(name, entry.CRC) != entry.CRC:
             raise InputError(
-                f"the FMU {path} has two different entries '{name}'; it is refused, since nobody "
+                f"{path} has two different entries '{name}'; it is refused, since nobody "
                 "can say which one counts"
             )
         if stat.S_ISLNK(entry.external_attr >> 16):
-            raise InputError(f"the FMU {path} has a link '{entry.filename}'; it is refused")
+            raise InputError(f"{path} has a link '{entry.filename}'; it is refused")
     if total > MAX_UNPACKED:
-        raise InputError(f"the FMU {path} unpacks to {total} bytes, more than {MAX_UNPACKED}")
+        raise InputError(f"{path} unpacks to {total} bytes, more than {MAX_UNPACKED}")
 
 
 def _state_of(folder: Path) -> dict[str, list[int]]:

@@ -6,6 +6,7 @@ Everything else is refused, however lenient the scenario is.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import decimal
 
 _TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
 _MOST_REFERENCE = 2**32 - 1
@@ -42,7 +44,8 @@ def judge(description: Any, path: Path, folder: Path, *, is_valid: bool) -> tupl
             f"{where} gives its library the name '{interface.modelIdentifier}', which is a path; "
             "a modelIdentifier is a name in C"
         )
-    _check_times(description.defaultExperiment, where)
+    _check_times("DefaultExperiment", description.defaultExperiment, where)
+    _check_times("CoSimulation", interface, where)
     if not is_valid and description.fmiMajorVersion == 2:
         _check_types(folder / "modelDescription.xml", where)
     breaches = [
@@ -60,14 +63,15 @@ def judge(description: Any, path: Path, folder: Path, *, is_valid: bool) -> tupl
     return tuple(breaches)
 
 
-def _check_times(experiment: Any, where: str) -> None:
-    """Those of the default experiment are numbers."""
-    for key in ("startTime", "stopTime", "tolerance", "stepSize"):
-        text = getattr(experiment, key, None)
+def _check_times(name: str, element: Any, where: str) -> None:
+    """Those of the default experiment are numbers, and an FMU's own step is one."""
+    for key in ("startTime", "stopTime", "tolerance", "stepSize", "fixedInternalStepSize"):
+        text = getattr(element, key, None)
         try:
-            float(text or 0)
+            if math.isfinite(float(text or 0)):
+                decimal(str(text or 0))
         except ValueError:
-            raise InputError(f"{where}: the {key} of its DefaultExperiment is {text!r}") from None
+            raise InputError(f"{where}: the {key} of its {name} is {text!r}") from None
 
 
 def _check_types(file: Path, where: str) -> None:

@@ -169,7 +169,7 @@ def test_an_fmu_runs_whatever_its_file_is_called(here: Path, name: str) -> None:
     [
         ("lenght=3", "has no variable 'lenght'. Did you mean length?"),
         ("duratoin=3", "has no variable 'duratoin'. Did you mean duration?"),
-        ("x[2]=3", "x is an array (3); give the whole of it"),
+        ("x[2]=3", "foreign.x is an array (3); give the whole of it"),
         ("length=3 s", "--set length=3 s: foreign.length is a number: '3 s' is in s, which does"),
     ],
 )

@@ -154,3 +154,40 @@ def test_what_is_wrong_with_terminals_is_noted(
     extra = {"terminalsAndIcons/terminalsAndIcons.xml": text}
     found = read_description(foreign_fmu(tmp_path, 3, Y, structure=STRUCTURE, extra=extra)).breaks
     assert (found == ()) if said is None else (len(found) == 1 and found[0].startswith(said))
+
+
+UNIT = '<UnitDefinitions><Unit name="m"><BaseUnit m="1" factor="1"/></Unit></UnitDefinitions>'
+
+
+@pytest.mark.parametrize("wrong", ['m="1" factor="0"', 'm="1" factor="NaN"', 'm="1" factor="INF"'])
+def test_a_unit_that_nothing_converts_to_is_refused(tmp_path: Path, wrong: str) -> None:
+    fmu = foreign_fmu(tmp_path, 3, Y, structure=STRUCTURE, before=UNIT)
+    assert read_description(fmu).units["m"].factor == 1
+    broken = described(fmu, lambda text: text.replace('m="1" factor="1"', wrong))
+    with pytest.raises(InputError, match="nothing converts to its unit m: one of the powers"):
+        read_description(broken)
+
+
+@pytest.mark.parametrize("time", ["1e-999999999", "x", "1/0", "0x1", "1_0"])
+@pytest.mark.parametrize("key", ["stepSize", "fixedInternalStepSize"])
+def test_a_time_that_is_none_is_refused(tmp_path: Path, key: str, time: str) -> None:
+    """The exact value of ``1e-999999999`` fills any memory."""
+    own = {key: time} if key == "fixedInternalStepSize" else {}
+    before = "" if own else f'<DefaultExperiment {key}="{time}"/>'
+    fmu = foreign_fmu(tmp_path, 3, Y, structure=STRUCTURE, before=before, interface=own)
+    with pytest.raises(InputError, match=f"the {key} of its .* is '{time}'"):
+        read_description(fmu)
+
+
+@pytest.mark.parametrize("time", ["1e999999999", "1e-999999999", "1/0", "x"])
+def test_a_clocks_interval_that_is_none_is_refused(tmp_path: Path, time: str) -> None:
+    clock = (
+        '<Clock name="c" valueReference="2" causality="input" intervalVariability="constant" '
+        f'intervalDecimal="{time}"/>'
+    )
+    interface = {"hasEventMode": "true"}
+    fmu = foreign_fmu(tmp_path, 3, Y + clock, structure=STRUCTURE, interface=interface)
+    with pytest.raises(
+        InputError, match=f"the clock c has the interval '{time}', which is no time"
+    ):
+        read_description(fmu).in_mode(True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-import unicodedata
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import ceil, gcd, lcm
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cosim.base.document.plain_name import plain_name
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
 
@@ -77,7 +76,7 @@ def scenario_of_fmu(
             f"note: {float(duration):g} s are no whole number of steps of {float(step):g} s; the "
             f"run ends at {float(start + duration - rest + step):g} s"
         )
-    name = _name(path.stem)
+    name = plain_name(path.stem) or "model"
     document = {
         "cohaptic": 1,
         "name": name,
@@ -92,12 +91,6 @@ def scenario_of_fmu(
         keys, value = _placed(text, name, description)
         written = written.with_value(keys, value, text) if keys else written.changed((text,))
     return written.built()
-
-
-def _name(stem: str) -> str:
-    """A component's name, of what a file's name has of letters and digits."""
-    plain = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode()
-    return re.sub(r"\W", "_", plain).lstrip("_0123456789") or "model"
 
 
 def _step(start: Fraction, duration: Fraction) -> Fraction:
@@ -155,13 +148,10 @@ def _placed(text: str, name: str, description: FmuDescription) -> tuple[tuple[st
             section = "parameters" if variable.causality in SETTABLE else "start"
             return ("components", name, section, written), "=".join(parts[used:])
     written = parts[0].strip()
-    array = variables.get(written.partition("[")[0]) if written.endswith("]") else None
-    if array is not None and array.shape:
-        size = " × ".join(map(str, array.shape))
-        raise InputError(
-            f"--set {text}: {array.name} is an array ({size}); give the whole of it, such as "
-            f"--set {array.name}=[…]"
-        )
+    base = variables.get(written.partition("[")[0]) if written.endswith("]") else None
+    if base is not None:  # an element, which is refused where arrays are known
+        section = "parameters" if base.causality in SETTABLE else "start"
+        return ("components", name, section, written), "=".join(parts[1:])
     _check_key(text, written, name, variables)
     return (), text
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import decimal
 from cosim.theory.models.timing import PathDelay
 
 
@@ -32,7 +33,8 @@ def read_fraction(option: str, text: str) -> Fraction:
         InputError: where it is not one.
     """
     try:
-        value = Fraction(text)
+        number, _, divisor = text.partition("/")
+        value = decimal(number) / decimal(divisor or "1")
     except (ValueError, ZeroDivisionError):
         raise InputError(
             f"{option} {text}: give a positive number such as 8, 17/2 or 8.5."

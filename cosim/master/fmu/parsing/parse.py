@@ -11,7 +11,7 @@ from typing import Any
 
 from cosim.base.component import Variable
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import exact, simple
+from cosim.base.quantities.quantity import decimal, exact, simple
 from cosim.base.quantities.units import BASES, Unit, unit_of
 from cosim.master.components.clocks import read_clocks
 from cosim.master.fmu.description import FmuDescription
@@ -99,7 +99,7 @@ def parse_description(
             variables, dependencies_of(description.initialUnknowns, inputs_of(description))
         ),
         terminals=terminals,
-        units={u.name: _unit(u) for u in description.unitDefinitions},
+        units={u.name: _unit(u, path) for u in description.unitDefinitions},
         log_categories=tuple(c.name for c in description.logCategories),
         varies_step=bool(interface.canHandleVariableCommunicationStepSize),
         fixed_step=_fixed_step(description),
@@ -198,12 +198,21 @@ def _reason(error: Exception, file: Path) -> str:
     return str(error)
 
 
-def _unit(unit: Any) -> Unit:
+def _unit(unit: Any, path: Path) -> Unit:
     base = unit.baseUnit
     if base is None:
         return unit_of(unit.name)
-    exponents = tuple(int(getattr(base, name)) for name in BASES)
-    return Unit(unit.name, exponents, exact(float(base.factor)), exact(float(base.offset)))
+    try:
+        exponents = tuple(int(getattr(base, name)) for name in BASES)
+        found = Unit(unit.name, exponents, exact(float(base.factor)), exact(float(base.offset)))
+    except ValueError:
+        found = None
+    if found is None or not found.factor:
+        raise InputError(
+            f"the modelDescription.xml of {path}: nothing converts to its unit {unit.name}: one of "
+            "the powers is no whole number, or the factor or the offset none, or the factor is 0"
+        )
+    return found
 
 
 def _fixed_step(description: Any) -> Fraction | None:
@@ -218,7 +227,7 @@ def _instant(text: Any) -> Fraction | None:
     """A time (s), which may lie before 0, where there is one."""
     if text is None or not math.isfinite(float(text)):
         return None
-    return simple(Fraction(str(text)))
+    return simple(decimal(str(text)))
 
 
 def _time(text: Any) -> Fraction | None:
