@@ -167,19 +167,59 @@ def table_command(*, plan: Path, out: Path | None, file: Path | None, as_json: b
         )
 
 
+TRIAL = click.option("--trial", type=click.IntRange(1, 10**6), help="Only this. [default: all]")
+BY = click.option("--by", metavar="NAME", help="Who decides it. [default: who is logged in]")
+
+
 @command.command("exclude", cls=JsonCommand)
 @PLAN
 @click.argument("code")
 @OUT
-@click.option("--trial", type=click.IntRange(1, 10**6), help="Only this one. [default: all]")
+@TRIAL
 @click.option("--reason", required=True, help="Why; it stands in the table.")
+@BY
 def exclude_command(
-    *, plan: Path, code: str, out: Path | None, trial: int | None, reason: str
+    *, plan: Path, code: str, out: Path | None, trial: int | None, reason: str, by: str | None
 ) -> None:
-    """Leave participant CODE, or one trial, out of what is computed; nothing is deleted."""
+    """Leave participant CODE, or one trial, out of what is computed; nothing is deleted.
+
+    'cohaptic study include' takes it back.
+    """
     _, folder = _opened(plan, out)
-    folder.exclude(code, trial, reason)
-    click.echo(f"{code}{'' if trial is None else f', trial {trial}'} is excluded: {reason}")
+    folder.exclude(code, trial, reason, _who(by))
+    click.echo(f"{_part(code, trial)} is excluded: {reason}")
+
+
+@command.command("include", cls=JsonCommand)
+@PLAN
+@click.argument("code")
+@OUT
+@TRIAL
+@click.option("--reason", required=True, help="Why; it stands in exclusions.jsonl.")
+@BY
+def include_command(
+    *, plan: Path, code: str, out: Path | None, trial: int | None, reason: str, by: str | None
+) -> None:
+    """Take back that participant CODE, or one trial, is left out; both entries are kept."""
+    _, folder = _opened(plan, out)
+    folder.include(code, trial, reason, _who(by))
+    click.echo(f"{_part(code, trial)} is no longer excluded: {reason}")
+
+
+def _part(code: str, trial: int | None) -> str:
+    return code if trial is None else f"{code}, trial {trial}"
+
+
+def _who(by: str | None) -> str:
+    """Who decides: the name that is given, or that of the login."""
+    if by is not None:
+        return by
+    import getpass
+
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):  # a process without an entry for its user
+        return ""
 
 
 def _opened(plan: Path, out: Path | None) -> tuple[StudyPlan, StudyFolder]:

@@ -1,4 +1,4 @@
-"""The folder of a study: its plan, who takes part, who is left out of it and why."""
+"""The folder of a study: its plan, who takes part, who is left out of it, by whom and why."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 from cosim.base.system.writing import writing
 from cosim.study.log import Entry, StepLog, read_lines
 from cosim.study.plan import StudyPlan
@@ -77,31 +78,60 @@ class StudyFolder:
         """A participant's folder."""
         return self.path / "people" / code
 
-    def exclude(self, code: str, trial: int | None, reason: str) -> None:
+    def exclude(self, code: str, trial: int | None, reason: str, by: str) -> None:
         """Leave a participant, or one trial, out of what is computed; nothing is deleted.
+
+        ``by`` is who decides it.
 
         Raises:
             InputError: there is none, or no reason.
         """
-        if code not in self.codes():
-            raise InputError(f"nobody called '{code}' takes part in {self.path}.")
-        trials = [each.get("trial") for each in read_lines(self.of(code) / "log.jsonl")]
-        if trial is not None and trial not in trials:
-            raise InputError(f"{code} has no trial {trial}.")
-        if not reason.strip():
-            raise InputError("an exclusion has a reason.")
-        with StepLog(self.path / EXCLUSIONS_FILE) as exclusions:
-            entry: Entry = {"code": code, "trial": trial, "reason": reason.strip(), "when": now()}
-            exclusions.append(entry)
+        self._trials(code, trial)
+        self._decide(code, trial, reason, by, is_excluded=True)
+
+    def include(self, code: str, trial: int | None, reason: str, by: str) -> None:
+        """Take back that a participant, or one trial, is left out: both entries stay.
+
+        Raises:
+            InputError: there is none, it is not left out, or no reason.
+        """
+        if not any(self.excluded(code, each) for each in self._trials(code, trial)):
+            what = f"no trial of {code} is" if trial is None else f"{code}, trial {trial}, is not"
+            raise InputError(f"{what} excluded: there is nothing to take back.")
+        self._decide(code, trial, reason, by, is_excluded=False)
 
     def excluded(self, code: str, trial: int) -> str:
-        """Why a trial is left out; empty where it is not."""
-        reasons = [
-            str(entry["reason"])
-            for entry in read_lines(self.path / EXCLUSIONS_FILE)
-            if entry["code"] == code and entry["trial"] in {None, trial}
-        ]
+        """Why a trial is left out, since it was last taken back; empty where it is not."""
+        reasons: list[str] = []
+        for entry in read_lines(self.path / EXCLUSIONS_FILE):
+            if entry["code"] == code and entry["trial"] in {None, trial}:
+                if entry.get("excluded", True):
+                    reasons.append(str(entry["reason"]))
+                else:
+                    reasons.clear()
         return "; ".join(reasons)
+
+    def _trials(self, code: str, trial: int | None) -> list[int]:
+        """The trials of a participant that were done, or the one that is asked for."""
+        if code not in self.codes():
+            known = did_you_mean(code, self.codes())
+            raise InputError(f"nobody called '{code}' takes part in {self.path}.{known}")
+        entries = read_lines(self.of(code) / "log.jsonl")
+        trials = [int(each["trial"]) for each in entries if "trial" in each]
+        if trial is not None and trial not in trials:
+            raise InputError(f"{code} has no trial {trial}.")
+        return trials if trial is None else [trial]
+
+    def _decide(
+        self, code: str, trial: int | None, reason: str, by: str, *, is_excluded: bool
+    ) -> None:
+        if not reason.strip():
+            raise InputError("what is left out, or taken back, has a reason.")
+        if not by.strip():
+            raise InputError("somebody decides it: name them with --by.")
+        with StepLog(self.path / EXCLUSIONS_FILE) as decisions:
+            about: Entry = {"code": code, "trial": trial, "excluded": is_excluded}
+            decisions.append({**about, "reason": reason.strip(), "by": by.strip(), "when": now()})
 
 
 def _plan_of(file: Path) -> str:

@@ -28,6 +28,7 @@ READ = {
     *("record export RUN", "record list RUN", "record summary RUN", "render RUN"),
     "ssp import FILE",
     *("study run PLAN", "study table PLAN", "study exclude PLAN"),
+    "study include PLAN",
     *("compare ONE", "compare OTHER", "replay RUN", "runs FOLDER", "intent RUNS"),
 }
 """Paths that are read, or created by what refuses them itself (a key)."""

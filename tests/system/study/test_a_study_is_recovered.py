@@ -110,6 +110,14 @@ def test_an_excluded_participant_counts_no_more_and_stays_in_the_table(whole: Pa
     assert [row["trial"] for row in rows if row["excluded"]] == ["9"]
     assert len(rows) == 32
     assert sum(after[c]["all"]["trials"] for c in after) == 2 * before - 1
+    reason = ("--trial", "9", "--reason", "it was another one", "--by", "Ada")
+    done = cohaptic("study", "include", "plan.yaml", "P02", *reason, folder=whole)
+    assert done.returncode == 0, done.stderr
+    assert tabulated(whole)["weak"]["all"]["trials"] == before
+    assert not any(row["excluded"] for row in table(whole))
+    done = cohaptic("study", "include", "plan.yaml", "P02", *reason, folder=whole)
+    assert done.returncode == 2
+    assert "nothing to take back" in done.stderr
 
 
 class Sitting(Terminal):

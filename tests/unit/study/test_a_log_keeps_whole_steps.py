@@ -64,12 +64,14 @@ def test_a_study_keeps_its_plan_and_an_exclusion_its_reason(tmp_path: Path) -> N
     numbers = [folder.number_of(code, emulated=False) for code in ("a", "b", "a")]
     assert numbers == [0, 1, 0]
     with pytest.raises(InputError, match="nobody called 'c'"):
-        folder.exclude("c", None, "left")
+        folder.exclude("c", None, "left", "Ada")
     with pytest.raises(InputError, match="has a reason"):
-        folder.exclude("a", None, " ")
+        folder.exclude("a", None, " ", "Ada")
+    with pytest.raises(InputError, match="--by"):
+        folder.exclude("a", None, "left", " ")
     with pytest.raises(InputError, match="no trial 3"):
-        folder.exclude("a", 3, "slept")
-    folder.exclude("a", None, "slept")
+        folder.exclude("a", 3, "slept", "Ada")
+    folder.exclude("a", None, "slept", "Ada")
     assert folder.excluded("a", 7) == "slept"
     assert folder.excluded("b", 7) == ""
     plan.write_text(PLAN + "seed: 4\n")

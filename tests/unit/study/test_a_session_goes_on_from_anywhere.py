@@ -171,7 +171,7 @@ def test_values_are_those_that_somebody_would_write(plan: StudyPlan, tmp_path: P
 def test_a_row_is_a_trial_with_all_that_belongs_to_it(plan: StudyPlan, tmp_path: Path) -> None:
     folder = StudyFolder(tmp_path / "study")
     sit(plan, folder, Somebody())
-    folder.exclude("P1", 5, "slept")
+    folder.exclude("P1", 5, "slept", "Ada")
     rows = rows_of(folder)
     assert [row["trial"] for row in rows] == [1, 2, 3, 4, 5, 6]
     assert [row["condition"] for row in rows] == ["one"] * 3 + ["two"] * 3
