@@ -15,11 +15,11 @@ import time
 from pathlib import Path
 
 import numpy as np
-from rings import scenario as ring  # bench/rings.py, beside this file
 
 from cosim.master.kernel.codes import OperationKind
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
+from cosim.testing.ring import row_of_masses
 
 SLICE = 1024
 CALLS = (
@@ -40,8 +40,9 @@ def chosen(name: str, apart: tuple[str, ...], seconds: str, folder: Path) -> Sce
     kind, _, size = name.partition(":")
     if kind != "ring":
         return load(name, sets=[f"duration={seconds}", *sets])
-    ring(int(size), "ring", round(1024 * float(seconds)), folder)
-    return load(folder / "ring.yaml", sets=sets)
+    file = folder / "ring.yaml"
+    file.write_text(row_of_masses(int(size), ticks=round(1024 * float(seconds))))
+    return load(file, sets=sets)
 
 
 def calls(simulation: Simulation, apart: tuple[str, ...]) -> float:

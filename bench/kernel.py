@@ -21,13 +21,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rings import scenario as ring  # bench/rings.py, beside this file
 
 from cosim.base.recording import MemorySink
 from cosim.master.kernel.codes import OperationKind
 from cosim.master.kernel.structures import OperationStruct
 from cosim.master.run.simulation import Simulation, assemble
 from cosim.scenario import Scenario, load
+from cosim.testing.ring import row_of_masses
 from fmus.compiler import compile_library, host_platform
 
 SLICE = 1024
@@ -295,7 +295,9 @@ def main() -> None:
 def chosen(name: str, seconds: str, folder: Path) -> Scenario:
     kind, _, size = name.partition(":")
     if kind == "ring":
-        return ring(int(size), "ring", round(1024 * float(seconds)), folder)
+        file = folder / "ring.yaml"
+        file.write_text(row_of_masses(int(size), ticks=round(1024 * float(seconds))))
+        return load(file)
     return load(name, sets=[f"duration={seconds}"])
 
 

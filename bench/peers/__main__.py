@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # kernel.py and rings.py, beside this folder
+sys.path.insert(0, str(Path(__file__).parents[1]))  # kernel.py, beside this folder
 
 from here import last_values, times
 from peer import PEERS, Answer, Peer, ask, environment

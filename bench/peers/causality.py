@@ -15,7 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # rings.py, which systems.py asks for
+sys.path.insert(0, str(Path(__file__).parents[1]))  # kernel.py, which here.py asks for
 
 from here import last_values
 from peer import PEERS, ask, environment

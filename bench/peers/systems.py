@@ -11,12 +11,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from rings import scenario as ring  # bench/rings.py
-
 from cosim.base.component import VariableType
 from cosim.master.assembly.assemble import Assembly
 from cosim.master.assembly.wiring import Held, Signal, Source
 from cosim.scenario import Scenario, load
+from cosim.testing.ring import row_of_masses
 
 SHAPES = ("ring", "chain")
 RATE, SLOW = 512, 8
@@ -47,7 +46,10 @@ class System:
 
 def masses(shape: str, size: int, ticks: int, folder: Path, *, mixed: bool) -> Scenario:
     """A ring or a chain; ``mixed`` steps the odd masses at the slow rate."""
-    return ring(size, shape, ticks, folder, rate=RATE, every=SLOW if mixed else 1)
+    rates = {"rate": RATE, "every": SLOW if mixed else 1}
+    file = folder / f"{shape}.yaml"
+    file.write_text(row_of_masses(size, ticks=ticks, is_closed=shape == "ring", **rates))
+    return load(file)
 
 
 def two_users(ticks: int) -> Scenario:
