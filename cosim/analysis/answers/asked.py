@@ -10,6 +10,7 @@ from cosim.analysis.answers.names import names_of, overrides
 from cosim.analysis.compensation import tuned
 from cosim.analysis.monodromy.idealised import WINDOW, idealised
 from cosim.analysis.monodromy.point import Point, find_point
+from cosim.analysis.monodromy.spares import Spares
 from cosim.analysis.parameter import is_number
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
@@ -35,15 +36,16 @@ class AskedRun:
     notes: tuple[str, ...]
     names: Mapping[str, tuple[str, ...]]
     _points: dict[tuple[str, ...], Point] = field(default_factory=dict[tuple[str, ...], Point])
+    _spares: Spares = field(default_factory=Spares)
 
     def point(self, sets: Sequence[str] = (), near: Point | None = None) -> Point:
-        """The operating point with further overrides; kept until ``close``."""
+        """The operating point with further overrides; kept until ``forget`` or ``close``."""
         key = tuple(sets)
         if key not in self._points:
             written = self.written.changed(sets) if sets else self.written
             if near is None and sets and not self.point().run.is_linear:
                 near = self.point()
-            self._points[key] = find_point(written, self.at, near)
+            self._points[key] = find_point(written, self.at, near, self._spares)
         return self._points[key]
 
     def fresh(self, sets: Sequence[str]) -> Point:
@@ -51,16 +53,17 @@ class AskedRun:
         return find_point(self.written.changed(sets), self.at)
 
     def forget(self, sets: Sequence[str]) -> None:
-        """Close the point of these overrides."""
+        """Leave the point of these overrides; its simulation serves another one."""
         point = self._points.pop(tuple(sets), None)
         if point is not None:
-            point.close()
+            self._spares.take(point.run.simulation)
 
     def close(self) -> None:
         """Close every point."""
         for point in self._points.values():
             point.close()
         self._points.clear()
+        self._spares.close()
 
     def __enter__(self) -> AskedRun:
         return self

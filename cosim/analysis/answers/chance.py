@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -47,14 +48,19 @@ class RunOfChance:
 
         What else the channels do, such as jitter, stays.
         """
-        if self.radius(0.0) >= 1.0 - 1e-12:
+        radius = cache(self.radius)
+        if radius(0.0) >= 1.0 - 1e-12:
             return 0.0
         stable = 0.0
-        for loss in (*np.linspace(0.1, 0.9, 9), 0.99, HIGHEST):
-            if self.radius(float(loss)) >= 1.0:
-                return find_root(lambda p: math.log(self.radius(p)), stable, float(loss), 1e-6)
-            stable = float(loss)
+        for loss in map(float, (*np.linspace(0.1, 0.9, 9), 0.99, HIGHEST)):
+            if not self._surely_decays(loss) and radius(loss) >= 1.0:
+                return find_root(lambda p: math.log(radius(p)), stable, loss, 1e-6)
+            stable = loss
         return None
+
+    def _surely_decays(self, loss: float) -> bool:
+        links = [link.losing(loss) for link in self.links]
+        return self.maps.surely_decays(chain_of(links, self.losses, aged=self.aged))
 
 
 def own_chance(point: Point) -> RunOfChance | None:

@@ -36,9 +36,9 @@ class _Along:
     ) -> None:
         self._asked = asked
         self._sets = sets
-        self._at = start
-        self._near: Point | None = None
         self._known: dict[float, float] = {}
+        self._points: dict[float, Point] = {} if start is None else {start: asked.point()}
+        """Where it has been; nothing runs there any more."""
 
     def __call__(self, value: float) -> float:
         if value not in self._known:
@@ -46,31 +46,36 @@ class _Along:
         return self._known[value]
 
     def _radius(self, value: float) -> float:
-        if self._asked.point().run.is_linear:
-            sets = self._sets(value)
-            found = deciding_radius(self._asked.point(sets))
+        near = None
+        for between in self._way(value):
+            sets = self._sets(between)
+            near = self._asked.point(sets, near or self._nearest(value))
+            if between == value:
+                self._known[value] = deciding_radius(near)
+                self._points[value] = near
             self._asked.forget(sets)
-            return found
-        for between in self._steps(value):
-            self._step(between)
-        assert self._near is not None
-        return deciding_radius(self._near)
+        return self._known[value]
 
-    def _steps(self, value: float) -> list[float]:
-        """Values on the way from where the last operating point is."""
-        if self._at is None or self._at <= 0.0 or value <= 0.0:
+    def _nearest(self, value: float) -> Point | None:
+        start = self._start(value)
+        return None if start is None else self._points[start]
+
+    def _start(self, value: float) -> float | None:
+        """The nearest of the numbers where it has been."""
+        return min(self._points, key=lambda other: _apart(other, value), default=None)
+
+    def _way(self, value: float) -> list[float]:
+        """Values on the way from there: a linear run needs none."""
+        start = self._start(value)
+        if start is None or start <= 0.0 or value <= 0.0 or self._asked.point().run.is_linear:
             return [value]
-        apart = np.log(value / self._at)
+        apart = np.log(value / start)
         count = max(1, int(np.ceil(abs(apart) / np.log1p(LARGEST_STEP))))
-        return [float(self._at * np.exp(apart * n / count)) for n in range(1, count)] + [value]
+        return [float(start * np.exp(apart * n / count)) for n in range(1, count)] + [value]
 
-    def _step(self, value: float) -> None:
-        sets = self._sets(value)
-        before, last = self._near, self._at
-        self._near = self._asked.point(sets, before)
-        self._at = value
-        if before is not None and last is not None and last != value:
-            self._asked.forget(self._sets(last))
+
+def _apart(one: float, other: float) -> float:
+    return abs(math.log(one / other)) if one > 0.0 and other > 0.0 else abs(one - other)
 
 
 def deciding_radius(point: Point) -> float:

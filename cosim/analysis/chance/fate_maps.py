@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cosim.analysis.chance.chain import Chain
 from cosim.analysis.chance.fate import PeriodFate
+from cosim.analysis.chance.second_moments import SecondMoments
 from cosim.analysis.monodromy.blocks import connected_blocks, dropped
 from cosim.analysis.monodromy.jacobian import jacobian
 from cosim.analysis.monodromy.neutral import quotient
@@ -45,9 +46,17 @@ class FateMaps:
 
     def mean_square_radius(self, chain: Chain) -> float:
         """ρ of the second moments over one period; its root compares with the radius of a map."""
-        place = {outcome: number for number, outcome in enumerate(self.outcomes)}
-        numbers = [place[step.fates] for step in chain.steps]
+        numbers = self._numbers(chain)
         return max((_radius(maps, chain, numbers) for maps in self.blocks), default=0.0)
+
+    def surely_decays(self, chain: Chain) -> bool:
+        """Whether few periods show that second moments decay; if not, they may all the same."""
+        numbers = self._numbers(chain)
+        return all(SecondMoments(maps, chain, numbers).surely_decay() for maps in self.blocks)
+
+    def _numbers(self, chain: Chain) -> list[int]:
+        place = {outcome: number for number, outcome in enumerate(self.outcomes)}
+        return [place[step.fates] for step in chain.steps]
 
 
 def links_of(point: Point) -> tuple[str, ...]:
@@ -105,21 +114,10 @@ def _blocks(point: Point, maps: list[Real]) -> tuple[Real, ...]:
 
 
 def _radius(maps: Real, chain: Chain, numbers: Sequence[int]) -> float:
-    modes, size = chain.modes, maps.shape[1]
-    targets: dict[tuple[int, int], list[tuple[int, float]]] = {}
-    for step, number in zip(chain.steps, numbers, strict=True):
-        targets.setdefault((step.source, number), []).append((step.target, step.probability))
-
-    def apply(vector: Real) -> Real:
-        moments = np.asarray(vector).reshape(modes, size, size)
-        moved = np.zeros_like(moments)
-        for (mode, number), into in targets.items():
-            one = maps[number] @ moments[mode] @ maps[number].T
-            for target, probability in into:
-                moved[target] += probability * one
-        return moved.reshape(-1)
-
-    start = np.tile(np.eye(size).reshape(-1), modes)
+    if len(set(numbers)) == 1:
+        return spectral_radius(maps[numbers[0]]) ** 2
+    moments = SecondMoments(maps, chain, numbers)
+    start = moments.identity
     if start.size <= DENSE:
-        return spectral_radius(np.array([apply(column) for column in np.eye(start.size)]).T)
-    return largest_eigenvalue_of_map(apply, start, accuracy=1e-7)
+        return spectral_radius(np.array([moments.apply(one) for one in np.eye(start.size)]).T)
+    return largest_eigenvalue_of_map(moments.apply, start, accuracy=1e-7)

@@ -23,6 +23,8 @@ FINEST = 1e-13
 """The same below which nothing is left but rounding."""
 SETTLING = 1.3
 """By what a step must bring a run nearer for its derivative to serve again."""
+PATIENCE = 3
+"""After how many steps in a row that do not another derivative is made."""
 ITERATIONS = 12
 FOLLOW_TIME = {"operator"}
 """Models with states of their own of which some outputs follow time alone."""
@@ -48,13 +50,45 @@ class Newton:
 
     def step(self, apart: Real) -> Real:
         """From the state that moves by ``apart`` towards one that rests, shape (n,)."""
-        found = np.zeros(apart.size)
-        found[self._kept] = self._size * (self._inverse @ (-apart[self._kept] / self._size))
-        return found
+        return self.steps().next(apart)
+
+    def steps(self) -> Steps:
+        """Steps that learn on the way, from this derivative."""
+        return Steps(self._inverse, self._kept, self._size)
 
     @cached_property
     def _inverse(self) -> Real:
         return np.asarray(np.linalg.pinv(self._scaled, rcond=1e-11), dtype=np.float64)
+
+
+class Steps:
+    """One step after the other: each corrects the inverse by what the one before brought.
+
+    Args:
+        inverse: of the scaled derivative of Φ(x) − x, shape (m, m).
+        kept: which of all coordinates it is of, shape (n,).
+        size: of those coordinates, shape (m,).
+    """
+
+    def __init__(self, inverse: Real, kept: NDArray[np.bool_], size: Real) -> None:
+        self._inverse, self._kept, self._size = inverse, kept, size
+        self._last: tuple[Real, Real] | None = None
+
+    def next(self, apart: Real) -> Real:
+        """From the state that moves by ``apart``, shape (n,); the last step led to it."""
+        here = apart[self._kept] / self._size
+        if self._last is not None:
+            step, before = self._last
+            seen = self._inverse @ (here - before)
+            along = float(step @ seen)
+            if along != 0.0:
+                change = np.outer((step - seen) / along, step @ self._inverse)
+                self._inverse = self._inverse + change
+        step = self._inverse @ -here
+        self._last = step, here
+        found = np.zeros(apart.size)
+        found[self._kept] = self._size * step
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,18 +146,26 @@ def settle(run: RunMap, nearby: Newton | None = None) -> Settled:
 
 
 def _settles_by(run: RunMap, newton: Newton) -> bool:
-    """Whether steps by one derivative bring the run to rest as finely as Newton's would."""
-    before = np.inf
+    """Whether steps by one derivative bring the run to rest as finely as Newton's would.
+
+    What every step shows of the derivative here corrects it (Broyden 1965).
+    """
+    steps, at, lost = newton.steps(), run.start.copy(), 0
+    best, least = at, np.inf
     while True:
-        apart = run.undisturbed() - run.start
+        apart = run.undisturbed(at) - at
         moved = newton.furthest(apart)
-        stalls = moved * SETTLING > before
-        if moved < FINEST or (moved < CONVERGED and stalls):
-            return True
-        if stalls or not np.isfinite(moved):
-            return False
-        run.move(run.start + newton.step(apart))
-        before = moved
+        lost = 0 if moved * SETTLING < least else lost + 1
+        if moved < least:
+            best, least = at, moved
+        if least < FINEST or lost == PATIENCE or not np.isfinite(moved):
+            break
+        at = at + steps.next(apart)
+    if least >= CONVERGED:
+        return False
+    run.move(best)
+    run.undisturbed()
+    return True
 
 
 def _refuse_drifting(run: RunMap, newton: Newton) -> None:
@@ -172,14 +214,20 @@ def moving_inputs(run: RunMap) -> str | None:
     """The first output that follows time alone and is not constant, ``component.variable``."""
     if run.is_linear:
         return None
+    moving = moving_on_the_way(run)
+    run.put(run.start)
+    return moving
+
+
+def moving_on_the_way(run: RunMap) -> str | None:
+    """The same from where the run is now; it goes on by up to a hyperperiod."""
     before = _timed_outputs(run)
-    for tick in (run.tick + run.hyperperiod // 2, run.tick + run.hyperperiod):
+    first = int(run.program.kernel.tick)
+    for tick in (first + run.hyperperiod // 2, first + run.hyperperiod):
         run.simulation.advance(tick)
         for name, value in _timed_outputs(run).items():
             if before[name] != value:
-                run.put(run.start)
                 return name
-    run.put(run.start)
     return None
 
 

@@ -9,21 +9,21 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.analysis.chance.delays import packet_delays
 from cosim.analysis.monodromy.idealised import damped
 from cosim.analysis.monodromy.jacobian import jacobian
 from cosim.analysis.monodromy.operating_point import (
     Newton,
     Settled,
-    moving_inputs,
+    moving_on_the_way,
     refuse_moving,
     settle,
 )
 from cosim.analysis.monodromy.refusal import refuse_what_has_no_theory
 from cosim.analysis.monodromy.run_map import RunMap
+from cosim.analysis.monodromy.spares import Spares
 from cosim.analysis.monodromy.spectrum import RunSpectrum, spectrum
 from cosim.base.errors import InputError, RunError
-from cosim.master.run.simulation import Simulation, assemble
+from cosim.master.run.simulation import Simulation
 from cosim.scenario import Scenario
 from cosim.scenario.load import Written
 
@@ -56,7 +56,8 @@ class Point:
         """
         if self.settled.matrix is None:
             found = jacobian(self.run)
-            self.settled = Settled(found, self.settled.newton)
+            newton = None if self.run.is_linear else Newton(self.run, found)
+            self.settled = Settled(found, newton)
         assert self.settled.matrix is not None
         return self.settled.matrix
 
@@ -99,27 +100,34 @@ class Point:
         self.close()
 
 
-def find_point(written: Written, at: Fraction | None = None, near: Point | None = None) -> Point:
+def find_point(
+    written: Written,
+    at: Fraction | None = None,
+    near: Point | None = None,
+    spares: Spares | None = None,
+) -> Point:
     """Run a scenario up to a moment and find its operating point there.
 
     Args:
         written: what runs; of what its channels do by chance every packet has the longest delay,
             so that all that may still arrive is in flight.
         at: the moment (s); None: for what is linear any, else the last one at which nothing moves.
-        near: the operating point of a run that differs in parameters alone; the search begins
-            there, and nothing is run. Of no account where the plan differs as well.
+        near: the operating point of a run that differs in parameters alone, which may be closed;
+            the search begins there, and nothing is run. Of no account where the plan differs too.
+        spares: where the simulation comes from; a new one unless given.
 
     Raises:
         InputError: a part has no derivative or does not declare its state, or nothing rests.
     """
     scenario = written.built()
     refuse_what_has_no_theory(scenario)
+    from_where = spares or Spares()
     if near is not None:
-        point = _settled(scenario, near.run, near.settled.newton)
+        point = _settled(scenario, from_where, near.run, near.settled.newton)
         if point is not None:
             return point
     with ExitStack() as until_known:
-        run = _stand(until_known.enter_context(_started(scenario)), at)
+        run = _stand(until_known.enter_context(from_where.started(scenario)), at)
         if run is not None and run.is_linear:
             point = _known(Point(run, settle(run), run.tick))
             until_known.pop_all()
@@ -128,12 +136,12 @@ def find_point(written: Written, at: Fraction | None = None, near: Point | None 
         at = _last_rest(damped(written, scenario).built())
     problems: list[InputError] = []
     for candidate in (scenario, damped(written, scenario).built()):
-        with _started(candidate) as simulation:
+        with Spares().started(candidate) as simulation:
             try:
                 run = _stand(simulation, at)
                 assert run is not None
                 refuse_moving(run)
-                found = _settled(scenario, run)
+                found = _settled(scenario, from_where, run)
                 assert found is not None, "damping is a parameter"
                 return _known(found)
             except InputError as problem:
@@ -155,9 +163,11 @@ def _known(point: Point) -> Point:
     return point
 
 
-def _settled(scenario: Scenario, near: RunMap, nearby: Newton | None = None) -> Point | None:
+def _settled(
+    scenario: Scenario, spares: Spares, near: RunMap, nearby: Newton | None = None
+) -> Point | None:
     """A run of its own at its operating point near where another stands; None: of another plan."""
-    simulation = _started(scenario)
+    simulation = spares.started(scenario)
     try:
         run = RunMap(simulation)
         if not run.has_plan_of(near):
@@ -168,25 +178,6 @@ def _settled(scenario: Scenario, near: RunMap, nearby: Newton | None = None) -> 
     except BaseException:
         simulation.close()
         raise
-
-
-def _started(scenario: Scenario) -> Simulation:
-    simulation = assemble(scenario)
-    for number, bundle in enumerate(simulation.assembly.wiring.bundles):
-        packets = packet_delays(bundle.fates.direction, bundle.period)
-        if packets is not None and not bundle.fates.is_constant:
-            simulation.program.packets.fix(number, packets.longest)
-    simulation.start(
-        scenario.ticks + 64 * simulation.assembly.clock.hyperperiod(_periods(scenario))
-    )
-    return simulation
-
-
-def _periods(scenario: Scenario) -> list[int]:
-    found = [part.period for part in scenario.components.values()]
-    found += [channel.period for channel in scenario.channels.values()]
-    found += [link.period for link in scenario.connections if link.period is not None]
-    return found
 
 
 def _stand(simulation: Simulation, at: Fraction | None) -> RunMap | None:
@@ -227,7 +218,7 @@ def _last_rest(scenario: Scenario) -> Fraction:
     Raises:
         InputError: there is none.
     """
-    with _started(scenario) as simulation:
+    with Spares().started(scenario) as simulation:
         period = int(simulation.program.kernel.hyperperiod)
         looked = max(period, int(scenario.base_rate / LOOKS) // period * period)
         first = -(-_filled(simulation) // looked) * looked
@@ -238,8 +229,7 @@ def _last_rest(scenario: Scenario) -> Fraction:
             run = RunMap(simulation)
             for tick in range(first, scenario.ticks + 1, looked):
                 simulation.advance(tick)
-                run.restart()
-                moving = moving_inputs(run)
+                moving = moving_on_the_way(run)
                 if moving is None:
                     last = tick
         except RunError:

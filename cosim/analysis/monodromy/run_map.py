@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from cosim.analysis.chance.fate import PeriodFate
 from cosim.analysis.monodromy.saved_bundle import SavedBundle
 from cosim.analysis.monodromy.saved_fmu import SavedFmu
+from cosim.analysis.monodromy.structure import MapStructure
 from cosim.base.errors import InputError
 from cosim.master.assembly.wiring import Signal
 from cosim.master.run.simulation import Simulation
@@ -66,6 +67,8 @@ class RunMap:
             SavedBundle(simulation, number)
             for number in range(len(simulation.assembly.wiring.bundles))
         ]
+        self.structures: dict[tuple[tuple[int, PeriodFate], ...], MapStructure] = {}
+        """The structure of its derivatives, or of a run's nearby, by the fates of packets."""
         self.restart()
         if not any(each.declared.live for each in self.fmus.values()):
             raise InputError(
@@ -96,6 +99,11 @@ class RunMap:
     def size(self) -> int:
         """How many numbers there are."""
         return len(self.coordinates)
+
+    @property
+    def carried(self) -> int:
+        """Where the numbers begin that are held or in flight: behind those of the FMUs."""
+        return sum(each.start.size for each in self.fmus.values())
 
     @property
     def seconds(self) -> float:
@@ -176,6 +184,7 @@ class RunMap:
             each.adopt(other.fmus[name])
         for bundle, theirs in zip(self.bundles, other.bundles, strict=True):
             self.program.packets.load(bundle.number, theirs.values, theirs.arrays)
+        self.structures = dict(other.structures)
         self.restart()
 
     def output(self, component: str, variable: str) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ class SavedFmu:
         self.words = _words(fmu.states.save())
         self.declared = DeclaredState(fmu.description, self.words)
         self.start = self.declared.places(self.words)
+        self._timed: dict[frozenset[str], list[str]] = {}
+        self._values = self.words.view(np.float64)[self.start]
         self.end: NDArray[np.int64] = self.start
         """The words of the live numbers after the hyperperiod, and all words then."""
         self.after = self.words
@@ -30,21 +33,23 @@ class SavedFmu:
         changing[: self.declared.first] = False
         changing[sorted(self.declared.numbers)] = False
         self._fixed = np.flatnonzero(changing)
+        self._fixed_after = self.words[self._fixed]
 
     @property
     def values(self) -> Real:
         """The live numbers at the start, shape (n,)."""
-        return self.words.view(np.float64)[self.start]
+        return self._values
 
     def restart(self) -> None:
         """Take the state that the FMU has now as the one to start from."""
         self.words = _words(self.fmu.states.save())
         self.start = self.declared.places(self.words)
+        self._values = self.words.view(np.float64)[self.start]
         self.fmu.states.keep(keeper=self)
 
     def put(self, values: Real) -> None:
         """Be at the start with these live numbers."""
-        if self.fmu.states.keeper is self and np.array_equal(values, self.values):
+        if self.fmu.states.keeper is self and bool((values == self._values).all()):
             self.fmu.states.go_back()
             return
         words = self.words.copy()
@@ -74,7 +79,8 @@ class SavedFmu:
 
     def note_end(self) -> Real:
         """Take the state now as the one that the undisturbed run ends in; its live numbers."""
-        self.after = _words(self.fmu.states.save())
+        self.after = _words(self.fmu.states.look()).copy()
+        self._fixed_after = self.after[self._fixed]
         self.end = self.declared.places(self.after)
         return self.after.view(np.float64)[self.end]
 
@@ -94,26 +100,34 @@ class SavedFmu:
 
     def timed_outputs(self, moved: Collection[str]) -> dict[str, float]:
         """The outputs now that depend on none of the ``moved`` inputs, by element."""
-        words, description = _words(self.fmu.states.save()), self.fmu.description
-        found: dict[str, float] = {}
-        for name, variable in description.variables.items():
-            sources = {one.partition("[")[0] for one in description.dependencies.get(name, ())}
-            if variable.causality is Causality.OUTPUT and sources.isdisjoint(moved):
-                found |= self.declared.elements(words, name)
+        key = frozenset(moved)
+        if key not in self._timed:
+            description = self.fmu.description
+            self._timed[key] = [
+                name
+                for name, variable in description.variables.items()
+                if variable.causality is Causality.OUTPUT
+                and key.isdisjoint(
+                    one.partition("[")[0] for one in description.dependencies.get(name, ())
+                )
+            ]
+        words, found = _words(self.fmu.states.look()), dict[str, float]()
+        for name in self._timed[key]:
+            found |= self.declared.elements(words, name)
         return found
 
     def read(self) -> tuple[Real, str | None]:
         """The live numbers at the end, and the first word that is not as undisturbed, by name."""
-        words = _words(self.fmu.states.save())
-        other = np.flatnonzero(words[self._fixed] != self.after[self._fixed])
+        words = _words(self.fmu.states.look())
+        other = words[self._fixed] != self._fixed_after
         differs = None
-        if other.size:
-            place = int(self._fixed[other[0]])
+        if other.any():
+            place = int(self._fixed[np.argmax(other)])
             differs = self.declared.names.get(place, f"byte {8 * place} of its state")
         return words.view(np.float64)[self.end], differs
 
 
-def _words(content: bytes) -> Words:
+def _words(content: Any) -> Words:
     if len(content) % 8:
         raise LookupError(f"its state of {len(content)} bytes is not the state of a bundled model")
     return np.frombuffer(content, dtype=np.int64)

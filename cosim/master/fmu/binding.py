@@ -218,6 +218,10 @@ class Binding(Protocol):
         """Restore what ``save_state`` returned."""
         ...
 
+    def look_at_state(self, at: Any) -> int:
+        """Have the whole state as bytes in ``at.content``, in the place of the look before."""
+        ...
+
     def keep_state(self) -> tuple[int, Any]:
         """The status, and the state as an object of the binding's own."""
         ...

@@ -17,7 +17,7 @@ from cosim.master.fmu.binding import (
     texts,
     whole_or_real,
 )
-from cosim.master.fmu.state import StateFunctions
+from cosim.master.fmu.state import Look, StateFunctions
 
 Types = Mapping[VariableType, tuple[str, Any]]
 """How the accessors of a type are called, and what they pass."""
@@ -125,6 +125,10 @@ class Bound:
     def load_state(self, content: bytes) -> int:
         """Restore what ``save_state`` returned."""
         return self._state.load(self._named, content)
+
+    def look_at_state(self, at: Look) -> int:
+        """Have the whole state as bytes in the place of the look before."""
+        return self._state.look(self._named, at)
 
     def keep_state(self) -> tuple[int, c_void_p]:
         """The status, and the state as the FMU's own object."""

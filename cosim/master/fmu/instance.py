@@ -303,7 +303,7 @@ class Fmu:
         if binding is None or not binding.handle or self.is_lost:
             return OK
         try:
-            self.states.drop()
+            self.states.drop_all()
             if not self._initialised or failed or self._conduct.has_failed:
                 return OK
             status = binding.terminate()

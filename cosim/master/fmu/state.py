@@ -20,6 +20,14 @@ class StateError(ValueError):
     """A call about a state was said to be well, and what it gave cannot be used."""
 
 
+@dataclass(slots=True)
+class Look:
+    """A state of the FMU's own that each look at it overwrites, and its bytes."""
+
+    state: c_void_p
+    content: Any = b""
+
+
 class CallByName(Protocol):
     """Calls a function of an instance by its name in the standard, and returns its status."""
 
@@ -75,6 +83,24 @@ class StateFunctions:
             status = call(self.serialise, state, room, size.value)
             content = bytes(room)
         return self._freed(call, state, status), content
+
+    def look(self, call: CallByName, at: Look) -> int:
+        """Serialise the state into what was looked at before; ``drop`` gives its object back.
+
+        Raises:
+            StateError: no state was handed out, or its size cannot be.
+        """
+        status = call(self.get, ctypes.byref(at.state))
+        _handed_out(self.get, status, at.state)
+        if status not in {OK, WARNING}:
+            return status
+        size = c_size_t()
+        status = call(self.size, at.state, ctypes.byref(size))
+        if status not in {OK, WARNING}:
+            return status
+        if len(at.content) != size.value:
+            at.content = self._room(size.value)
+        return call(self.serialise, at.state, at.content, size.value)
 
     def keep(self, call: CallByName) -> tuple[int, c_void_p]:
         """The status, and the state as the FMU's own object; ``drop`` gives it back.

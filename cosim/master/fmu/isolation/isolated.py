@@ -196,6 +196,11 @@ class Isolated:
         """Restore what ``save_state`` returned."""
         return self._ask("load_state", content)
 
+    def look_at_state(self, at: Any) -> int:
+        """Have the whole state as bytes; nothing is kept over there."""
+        status, at.content = self.save_state()
+        return status
+
     def keep_state(self) -> tuple[int, bytes]:
         """The status, and the state: bytes, which any process can take."""
         return self.save_state()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import contextmanager
+from ctypes import c_void_p
 from typing import Any
 
 from cosim.base.errors import RunError
@@ -11,7 +12,7 @@ from cosim.master.fmu.binding import Binding
 from cosim.master.fmu.description import FmuDescription
 from cosim.master.fmu.loaded.conduct import AFTER_FATAL, Conduct
 from cosim.master.fmu.loaded.residence import Residence
-from cosim.master.fmu.state import StateError
+from cosim.master.fmu.state import Look, StateError
 
 
 class States:
@@ -31,6 +32,9 @@ class States:
         self._file = description.path.name
         self._residence = residence
         self._conduct = conduct
+        self._complete: Binding | None = None
+        """The binding that was found to have every function."""
+        self._looked = Look(c_void_p())
         self._kept: Any = None
         self.keeper: object = None
         """Whose the kept state is; another who keeps one takes its place."""
@@ -45,6 +49,17 @@ class States:
             status, content = bound.save_state()
         self._conduct.check_state("save its state", status, when)
         return content
+
+    def look(self, when: str = "") -> Any:
+        """The state as bytes, which the next look overwrites: for many of them.
+
+        Raises:
+            RunError: the FMU cannot give it.
+        """
+        with self._calls(when) as bound:
+            status = bound.look_at_state(self._looked)
+        self._conduct.check_state("save its state", status, when)
+        return self._looked.content
 
     def load(self, content: bytes, when: str = "") -> None:
         """Go on from what ``save`` returned; initialisation is over.
@@ -84,6 +99,15 @@ class States:
     def drop(self) -> None:
         """Give back what was kept, if anything was and the FMU may be called at all."""
         state, self._kept, self.keeper = self._kept, None, None
+        self._give_back(state)
+
+    def drop_all(self) -> None:
+        """The same, and what was looked at: for the end."""
+        self.drop()
+        looked, self._looked = self._looked.state, Look(c_void_p())
+        self._give_back(looked if looked else None)
+
+    def _give_back(self, state: Any) -> None:
         if state is not None and not self._conduct.is_lost:
             with self._calls() as bound:
                 # It is not needed again, so that nothing but what may be called hangs on this.
@@ -95,12 +119,13 @@ class States:
         if self._conduct.is_lost:
             raise RunError(f"{self._component}: {AFTER_FATAL}.")
         bound = self._residence.bound
-        missing = bound.missing_state_functions()
+        missing = () if bound is self._complete else bound.missing_state_functions()
         if missing:
             raise RunError(
                 f"{self._component}: the FMU {self._file} says that its state can "
                 f"be saved, but its library has no function {' and none '.join(missing)}{when}"
             )
+        self._complete = bound
         try:
             yield bound
         except StateError as error:
