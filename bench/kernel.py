@@ -6,8 +6,9 @@ The bare loop is straight-line C, written out for the scenario and compiled here
 value reference and count is a constant in it; it checks no value, records nothing and cannot be
 stopped. Both run in slices of 1024 ticks, one after the other, so that whatever else the machine
 does hits both, and what is counted is the thread's processor time; in the end all variables of all
-FMUs must agree bit for bit. ``ring:8`` is a ring of eight light FMUs. With a record the bare loop
-is run with a binary log as well: what is recorded goes through ``fwrite`` into a file.
+FMUs must agree bit for bit. ``ring:8`` is a ring of eight light FMUs. What the master records is
+kept in memory; then both loops write it to a binary log instead, the bare one through ``fwrite``,
+and both files must be the same, byte for byte.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from binary_logs import BareLog, BinaryLog  # beside this file
 
 from cosim.base.recording import MemorySink
 from cosim.master.kernel.codes import OperationKind
@@ -73,25 +75,18 @@ def copies(operation: OperationStruct, count: int) -> str:
     return " ".join(f"c[{b}] = c[{a}];" for a, b in pairs(operation, count))
 
 
-def binary_log(file: Path) -> tuple[int, int]:
-    """The addresses of ``fwrite`` and of a file that is open for it."""
-    libc = ctypes.CDLL(None)
-    libc.fopen.restype = ctypes.c_void_p
-    stream = libc.fopen(str(file).encode(), b"wb")
-    return ctypes.cast(libc.fwrite, ctypes.c_void_p).value or 0, stream
-
-
-def logged(operation: OperationStruct, log: tuple[int, int] | None) -> str:
+def logged(operation: OperationStruct, log: BareLog | None) -> str:
     if log is None:
         return ""
     count = operation.cell_count
     columns = ctypes.cast(operation.table, ctypes.POINTER(ctypes.c_int32))
     row = " ".join(f"row[{i}] = c[{columns[i]}];" for i in range(count))
-    call = f"P(W, {log[0]}ULL)(row, 8, {count}, P(void *, {log[1]}ULL));"
+    stream = log.streams[operation.owner]
+    call = f"P(W, {log.fwrite}ULL)(row, 8, {count}, P(void *, {stream}ULL));"
     return f"Cell row[{count}]; {row} {call}"
 
 
-def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]:
+def statements(simulation: Simulation, log: BareLog | None) -> list[str]:
     """One statement an operation of an ordinary tick."""
     program = simulation.program
     base = program.cells.ctypes.data
@@ -109,7 +104,7 @@ def statements(simulation: Simulation, log: tuple[int, int] | None) -> list[str]
 
 
 def statement(
-    simulation: Simulation, operation: OperationStruct, base: int, log: tuple[int, int] | None
+    simulation: Simulation, operation: OperationStruct, base: int, log: BareLog | None
 ) -> str:
     """What the bare loop does in place of one operation."""
     kind = OperationKind(operation.kind)
@@ -198,12 +193,12 @@ def packet(simulation: Simulation, operation: OperationStruct, kind: OperationKi
     return (
         f"if (k >= {delay} && (k - {delay}) % {period} == 0) {{ const Cell *q = {row}; {unpacked} "
         f"c[{sequence}].i = (k - {delay}) / {period}; c[{age}].i = {delay}; }} "
-        f"else c[{age}].i++;"
+        f"else c[{age}].i += k > 0;"
     )
 
 
 def compile_bare(
-    simulation: Simulation, folder: Path, log: tuple[int, int] | None = None
+    simulation: Simulation, folder: Path, log: BareLog | None = None
 ) -> Callable[[int, int], int]:
     """The bare loop over ticks [k, end) of a simulation that has been started."""
     body = "\n".join(statements(simulation, log))
@@ -236,14 +231,20 @@ def measure(
 ) -> tuple[float, float]:
     """Processor time (s) of the master's loop and of the bare loop."""
     written = scenario if recorded else replace(scenario, record=())
-    ticks, sink = scenario.ticks, MemorySink() if recorded else None
+    ticks = scenario.ticks
     with assemble(written) as bare_run, assemble(written) as master_run:
         for simulation in (bare_run, master_run):
             simulation.start(ticks, recorded=recorded)
+        files = [
+            [folder / f"{who}_{number}.log" for number in range(len(master_run.groups))]
+            for who in ("master", "bare")
+        ]
+        bare_log = BareLog(files[1]) if log else None
+        master_log = BinaryLog(files[0]) if log else None
+        sink = master_log or (MemorySink() if recorded else None)
         if sink is not None:
             sink.begin(master_run.groups, scenario.base_rate)
-        stream = binary_log(folder / "log.bin") if log else None
-        bare = compile_bare(bare_run, folder, stream)
+        bare = compile_bare(bare_run, folder, bare_log)
         master_time = bare_time = 0.0
         for begin in range(0, ticks, SLICE):
             end = min(ticks, begin + SLICE)
@@ -258,10 +259,16 @@ def measure(
         agree = np.array_equal(
             master_run.program.cells[:variables], bare_run.program.cells[:variables]
         )
+        for each in (bare_log, master_log):
+            if each is not None:
+                each.close()
+        if log:
+            agree = agree and all(
+                ours.read_bytes() == theirs.read_bytes()
+                for ours, theirs in zip(*files, strict=True)
+            )
         if not agree:
             raise SystemExit("the two loops do not agree: the comparison is void")
-        if stream is not None:
-            ctypes.CDLL(None).fclose(ctypes.c_void_p(stream[1]))
     return master_time, bare_time
 
 

@@ -115,6 +115,12 @@ class Forgetful:
         """Nothing is kept."""
 
 
+_CELL = np.dtype(np.int64).itemsize
+_MANY, _LARGE = 2**20, 2**22
+"""Bytes of rows from which on room is taken by the second, for which NumPy asks for large pages: a
+fault for each small one takes longer than the rows that it has room for."""
+
+
 class MemorySink:
     """Keeps everything in memory; for tests, short runs and analysis.
 
@@ -130,7 +136,7 @@ class MemorySink:
         self.groups: tuple[RecordGroup, ...] = ()
         self.base_rate = Fraction(1)
         self._blocks: list[list[Rows]] = []
-        self._open: dict[int, Rows] = {}
+        self._room: dict[int, Rows] = {}
         self._texts: list[list[TextChanges]] = []
 
     def begin(self, groups: Sequence[RecordGroup], base_rate: Fraction) -> None:
@@ -143,6 +149,7 @@ class MemorySink:
         self.groups = tuple(groups)
         self.base_rate = base_rate
         self._blocks = [[] for _ in groups]
+        self._room = {}
         self._filled = [0 for _ in groups]
         before = self._texts
         self._texts = [[TextChanges() for _ in group.texts] for group in groups]
@@ -156,12 +163,13 @@ class MemorySink:
                     changes.changes = [each for each in there.changes if each[0] < tick]
 
     def buffer(self, group: int, rows: int) -> Rows:
-        """A fresh block."""
+        """Rows that are not filled yet."""
         if self._arrays:
             return self._arrays[group][self._filled[group] : self._filled[group] + rows]
-        block = np.zeros((rows, len(self.groups[group].columns)), dtype=np.int64)
-        self._open[group] = block
-        return block
+        room = self._room.get(group)
+        if room is None or len(room) < rows:
+            room = self._room[group] = self._more_room(group, rows)
+        return room[:rows]
 
     def commit(self, group: int, first_tick: int, rows: int) -> None:
         """Keep the filled part; rows follow each other without a gap."""
@@ -169,7 +177,17 @@ class MemorySink:
             raise AssertionError(f"rows of {self.groups[group].name} do not follow each other")
         self._filled[group] += rows
         if not self._arrays:
-            self._blocks[group].append(self._open.pop(group)[:rows])
+            room = self._room[group]
+            self._blocks[group].append(room[:rows])
+            self._room[group] = room[rows:]
+
+    def _more_room(self, group: int, rows: int) -> Rows:
+        """For as many rows as there are: what is not filled is not touched, and costs nothing."""
+        width = len(self.groups[group].columns)
+        count = max(rows, self._filled[group])
+        if count * width * _CELL >= _MANY:
+            count = max(count, -(-_LARGE // (width * _CELL)))
+        return np.empty((count, width), dtype=np.int64)
 
     def put_text(self, group: int, column: int, tick: int, content: bytes) -> None:
         """Keep a change."""
