@@ -9,22 +9,19 @@ wall counts as rendered while the tip comes to rest there.
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.analysis.answers.device_of_wall import ScenarioDevice
 from cosim.analysis.monodromy.idealised import idealised
 from cosim.analysis.monodromy.run_map import RunMap
 from cosim.analysis.parameter import parameter
-from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import quantity
 from cosim.base.recording import MemorySink
-from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.variation import with_values
 from cosim.master.run.simulation import assemble
 from cosim.scenario import Scenario, ScenarioComponent
@@ -46,64 +43,6 @@ UNMOVED = 1e12
 """kg, kg·m²: of a box that 1 N moves by a picometre in a second."""
 NUDGE = 1e-4
 """N, by which mass and damping of the device are measured."""
-_FINGER = re.compile(r"finger_(?P<number>\d+)")
-
-
-@dataclass(frozen=True, slots=True)
-class ScenarioDevice:
-    """A device of a scenario and the workstation that renders its wall.
-
-    Attributes:
-        device: the pantograph.
-        station: the workstation.
-        finger: which of its fingers the device is, counted from 1.
-        axis: 0: the wall's normal is along x, 1: along y.
-    """
-
-    device: ScenarioComponent
-    station: ScenarioComponent
-    finger: int
-    axis: int
-
-
-def find_device(scenario: Scenario, name: str | None, axis: int) -> ScenarioDevice:
-    """The device of that name, or the first that a workstation renders forces to.
-
-    Raises:
-        InputError: there is none, it is no simulated pantograph, or its wires are delayed.
-    """
-    parts = scenario.components
-    found: dict[str, ScenarioDevice] = {}
-    for link in scenario.connections:
-        source, target = parts.get(link.source.component), parts.get(link.target.component)
-        number = _FINGER.match(link.target.path)
-        if source is None or target is None or number is None or link.via is not None:
-            continue
-        found[source.name] = ScenarioDevice(source, target, int(number["number"]), axis)
-    if name is None:
-        name = next((one for one in found if parts[one].source == "pantograph"), None)
-    if name not in found:
-        raise InputError(
-            "The scenario has no pantograph whose forces a workstation renders."
-            if name is None
-            else f"--finger {name}: no workstation renders forces to a device of that name."
-            f"{did_you_mean(name, found)}"
-        )
-    one = found[name]
-    if not (one.device.is_bundled and one.device.source == "pantograph"):
-        raise InputError(
-            f"{name} is no simulated pantograph, so that its wall cannot be simulated: put the "
-            "pantograph with its preset in its place.",
-            scenario.locate(("components", name)),
-        )
-    for number, link in enumerate(scenario.connections):
-        ends = {link.source.component, link.target.component}
-        if ends == {one.device.name, one.station.name} and (link.delay.ticks or link.rate):
-            raise InputError(
-                f"{link} is delayed or sampled, which the wall here is not: take that away.",
-                scenario.locate(("connections", number)),
-            )
-    return one
 
 
 class WallOfDevice:

@@ -192,7 +192,9 @@ def test_a_point_near_one_of_another_plan_is_looked_for_anew() -> None:
 def test_the_order_of_connections_does_not_count() -> None:
     wires = read("two_users_box").built().connections
     turned = "connections=[" + ", ".join(f"'{wire}'" for wire in reversed(wires)) + "]"
-    with ask(read("two_users_box", (), [turned])) as other, ask(read("two_users_box")) as asked:
+    written = read("two_users_box", (), ["connections=~", turned])
+    assert written.built().connections == tuple(reversed(wires))
+    with ask(written) as other, ask(read("two_users_box")) as asked:
         assert other.point().spectrum().radius == pytest.approx(
             asked.point().spectrum().radius, abs=1e-9
         )

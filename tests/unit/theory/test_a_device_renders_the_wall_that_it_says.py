@@ -12,7 +12,8 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from cosim.analysis.answers.rendered_wall import WallOfDevice, find_device
+from cosim.analysis.answers.device_of_wall import find_device
+from cosim.analysis.answers.rendered_wall import WallOfDevice
 from cosim.base.errors import InputError
 from cosim.cli.theory.robust.z_width import command
 from cosim.scenario.load import read
@@ -84,6 +85,49 @@ def test_what_a_scenario_fixes_is_no_option(options: list[str], said: str) -> No
     found = CliRunner().invoke(command, options)
     assert isinstance(found.exception, InputError)
     assert said in str(found.exception)
+
+
+def _told() -> str:
+    """The connection that tells finger_a1 its forces."""
+    wires = read(BOX).built().connections
+    return f"connections.{[str(wire.target) for wire in wires].index('finger_a1.device')}"
+
+
+@pytest.mark.parametrize(
+    ("sets", "said"),
+    [
+        (["components.finger_a1.feedthrough=false"], "finger_a1 has its own 'feedthrough'"),
+        (["components.vr_a.feedthrough=false"], "vr_a has its own 'feedthrough'"),
+        (["components.finger_a1.substeps=4"], "finger_a1 has its own 'substeps'"),
+        (["components.finger_a1.rate=512 Hz"], "finger_a1 has its own 'rate'"),
+        (
+            [f"{_told()}={{from: vr_a.finger_1, to: finger_a1.device, factor: 2}}"],
+            "is delayed, sampled, scaled",
+        ),
+        (
+            [f"{_told()}=vr_a.finger_1 -> finger_a1.device delay 1 ticks"],
+            "is delayed, sampled, scaled",
+        ),
+    ],
+)
+def test_a_device_that_steps_or_is_joined_otherwise_is_refused(sets: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        find_device(read(BOX, (), sets).built(), "finger_a1", 0)
+
+
+def test_a_finger_whose_forces_are_computed_elsewhere_renders_no_wall_of_its_own() -> None:
+    scenario = read("two_users_box_centralized").built()
+    assert find_device(scenario, "finger_a1", 0).station.name == "server"
+    with pytest.raises(InputError, match="client is told the forces of finger_b1"):
+        find_device(scenario, "finger_b1", 0)
+
+
+def test_a_device_that_is_told_nothing_renders_nothing() -> None:
+    wires = read(BOX).built().connections
+    kept = [repr(str(wire)) for wire in wires if str(wire.target) != "finger_a1.device"]
+    written = read(BOX, (), ["connections=~", f"connections=[{', '.join(kept)}]"])
+    with pytest.raises(InputError, match=r"Nothing goes from vr_a\.finger_1 to finger_a1"):
+        find_device(written.built(), "finger_a1", 0)
 
 
 def test_the_command_says_whose_wall_it_is() -> None:

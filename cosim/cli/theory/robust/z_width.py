@@ -164,7 +164,8 @@ def _of_scenario(
     axis: str,
     damping: Real,
 ) -> _Answer:
-    from cosim.analysis.answers.rendered_wall import PRESSED, WallOfDevice, find_device
+    from cosim.analysis.answers.device_of_wall import find_device
+    from cosim.analysis.answers.rendered_wall import PRESSED, WallOfDevice
     from cosim.scenario.load import read
 
     written = read(*files)
