@@ -35,7 +35,7 @@ def write_traces(folder: Path, scenario: Path, runs: Mapping[str, Run]) -> Path 
         for way, (source, target) in _ways(channel):
             if target not in runs:
                 continue
-            fates = _fates(runs[target], source, channel)
+            fates = fates_of(runs[target], source, channel)
             if fates is None:
                 continue
             files[way] = f"{channel.name}.{way}.txt"
@@ -57,19 +57,23 @@ def _ways(channel: Channel) -> Iterator[tuple[str, tuple[str, str]]]:
     yield "backward", (second, first)
 
 
-def _fates(run: Run, source: str, channel: Channel) -> NDArray[np.int64] | None:
-    """Delay of each packet in base ticks, -1 where it was never shown; by its number."""
-    facts = f"{_component(run, source)}.{channel.name}"
-    if f"{facts}.delay" not in run or f"{facts}.sequence" not in run:
+def fates_of(run: Run, source: str, channel: Channel) -> NDArray[np.int64] | None:
+    """Delay of each packet in base ticks, -1 where it was never shown; by its number.
+
+    A packet has the number of the sample that it brings, in every session and wherever the two
+    grids are; its delay is the difference of the ticks at which it was sampled and shown. ``None``
+    where that is not recorded, or where a packet was shown before its tick.
+    """
+    sample = f"{_component(run, source)}.{channel.name}.sample"
+    if sample not in run:
         return None
-    sequence = np.asarray(run[f"{facts}.sequence"].values, dtype=np.int64)
-    delay = np.asarray(run[f"{facts}.delay"].values, dtype=np.int64)
-    # A new session begins with sequence -1: then nothing new is shown.
-    shown = np.flatnonzero((np.diff(sequence, prepend=-1) != 0) & (sequence >= 0))
-    sampled = shown - delay[shown]
-    fates = np.full(-(-len(sequence) // channel.period), -1, dtype=np.int64)
-    known = (sampled >= 0) & (sampled % channel.period == 0)
-    fates[sampled[known] // channel.period] = delay[shown[known]]
+    number = np.asarray(run[sample].values, dtype=np.int64)
+    shown = np.flatnonzero((np.diff(number, prepend=-1) != 0) & (number >= 0))
+    delay = shown - number[shown] * channel.period
+    if np.any(delay < 0):
+        return None
+    fates = np.full(-(-len(number) // channel.period), -1, dtype=np.int64)
+    fates[number[shown]] = delay
     return fates
 
 

@@ -91,6 +91,8 @@ class Receiver:
         self.tick = -1
         """Session tick at which the held values were sampled; -1 before the first."""
         self.sequence = -1
+        self.sample = -1
+        """Which of its sender's samples the held values are, counted from the session's tick 0."""
         self.released_at = -1
         """Session tick at which the held values were released."""
         self.delay = -1
@@ -196,8 +198,9 @@ class Receiver:
         waiting = self._waiting
         if now < waiting.next_due or self.held:
             return False
-        self._held_order, self.tick, superseded, self.repeated = waiting.take(now, self._held_bytes)
-        self.sequence = self._held_order[1]
+        order, self.tick, sampled, superseded, self.repeated = waiting.take(now, self._held_bytes)
+        self._held_order, self.sequence = order, order[1]
+        self.sample = sampled // self.bundle.period
         self.released_at = now
         self.delay = now - self.tick
         self.tally[Fate.SUPERSEDED] += superseded
@@ -294,5 +297,5 @@ class Receiver:
                 self.overdue += 1
             else:
                 due = wanted
-        waiting.keep(order, tick, due, repeated)
+        waiting.keep(order, tick, sampled, due, repeated)
         return Fate.ACCEPTED

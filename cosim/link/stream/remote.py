@@ -53,6 +53,7 @@ class _Shown:
     age: memoryview[Any]
     state: memoryview[Any]
     sequence: memoryview[Any]
+    sample: memoryview[Any]
     delay: memoryview[Any]
     reason: memoryview[Any]
     seen: tuple[float, PeerState] | None = field(default=None, init=False)
@@ -76,6 +77,7 @@ class _Shown:
             self.valid[0] = item.valid
             self.state[0] = weight.state
             self.sequence[0] = item.receiver.sequence
+            self.sample[0] = item.receiver.sample
             self.delay[0] = item.receiver.delay
         self.reason[0] = weight.reason
 
@@ -85,7 +87,8 @@ class RemoteStation(Component):
 
     Outputs: every incoming field by name; for each incoming channel ``<channel>.weight`` (0..1),
     ``.valid``, ``.age`` (base ticks), ``.state`` (:class:`~cosim.link.stream.peer.PeerState`) and
-    ``.sequence``, ``.delay`` (base ticks from sample to release), ``.reason``
+    ``.sequence``, ``.sample`` (which of the peer's samples is shown), ``.delay`` (base ticks from
+    sample to release), ``.reason``
     (:class:`~cosim.link.stream.peer.Reason`); and ``round_trip``,
     ``clock_offset``, ``phase`` (s), ``clock_skew``.
     Inputs: every outgoing field by name.
@@ -234,7 +237,7 @@ class RemoteStation(Component):
         self._facts["phase"][0] = phase
 
 
-STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "delay", "reason")
+STREAM_FACTS = ("weight", "valid", "age", "state", "sequence", "sample", "delay", "reason")
 LINK_FACTS = ("round_trip", "clock_offset", "clock_skew", "phase")
 
 

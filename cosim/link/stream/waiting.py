@@ -31,6 +31,7 @@ class WaitingPackets:
         self._bytes = [slot.data.cast("B") for slot in self._slots]
         self._order: list[Order] = [(0, 0)] * slots
         self._tick = [0] * slots
+        self._sampled = [0] * slots
         self._repeated = [0] * slots
         self._due = [0] * slots
         self._free = list(range(slots))
@@ -49,24 +50,26 @@ class WaitingPackets:
         """Shape (size,): where :meth:`keep` finds the values of the next packet."""
         return self._slots[self._free[-1]]
 
-    def keep(self, order: Order, tick: int, due: int, repeated: int = 0) -> None:
+    def keep(self, order: Order, tick: int, sampled: int, due: int, repeated: int = 0) -> None:
         """Let what is in :attr:`spare`, of session tick ``tick``, wait until ``due``.
 
-        ``repeated`` is for how many ticks it has been the same.
+        ``sampled`` is the same tick as its sender counts, ``repeated`` for how many it has been the
+        same.
         """
         slot = self._free.pop()
         self._used.append(slot)
         self._order[slot] = order
         self._tick[slot] = tick
+        self._sampled[slot] = sampled
         self._repeated[slot] = repeated
         self._due[slot] = due
         self.next_due = min(self.next_due, due)
 
-    def take(self, now: int, out: memoryview) -> tuple[Order, int, int, int]:
+    def take(self, now: int, out: memoryview) -> tuple[Order, int, int, int, int]:
         """Copy the freshest values that are due to ``out``; at least one packet has to be.
 
-        Returns their order and session tick, how many older packets went with them, and for how
-        many ticks they have been the same.
+        Returns their order, their session tick here and at their sender, how many older packets
+        went with them, and for how many ticks they have been the same.
         """
         # Mostly one packet waits.
         if len(self._used) == 1:
@@ -74,14 +77,15 @@ class WaitingPackets:
             self._free.append(best)
             self.next_due = _NEVER
             out[:] = self._bytes[best]
-            return self._order[best], self._tick[best], 0, self._repeated[best]
+            return self._order[best], self._tick[best], self._sampled[best], 0, self._repeated[best]
         due = [slot for slot in self._used if self._due[slot] <= now]
         best = max(due, key=self._order.__getitem__)
         order = self._order[best]
         out[:] = self._bytes[best]
         done = [slot for slot in self._used if self._order[slot] <= order]
         self._set_free(done)
-        return order, self._tick[best], len(done) - 1, self._repeated[best]
+        repeated = self._repeated[best]
+        return order, self._tick[best], self._sampled[best], len(done) - 1, repeated
 
     def _set_free(self, slots: list[int]) -> None:
         for slot in slots:
