@@ -37,7 +37,7 @@ def split_quantity(text: str) -> tuple[Fraction, str | None]:
     """The number of a quantity and the text of its unit, ``None`` without one.
 
     Raises:
-        QuantityError: the text does not begin with a number.
+        QuantityError: the text does not begin with a number, or with one that no 64 bits hold.
     """
     match = _NUMBER.fullmatch(text)
     if not match:
@@ -50,7 +50,7 @@ def split_quantity(text: str) -> tuple[Fraction, str | None]:
         if int(match["divisor"]) == 0:
             raise QuantityError(f"'{text}' divides by zero.")
         number /= int(match["divisor"])
-    return number, match["unit"]
+    return _held(number, text), match["unit"]
 
 
 def decimal(text: str) -> Fraction:
@@ -68,13 +68,30 @@ def exact(number: float) -> Fraction:
     """The fraction that a number was written as: ``0.1`` is 1/10, not the nearest double.
 
     Raises:
-        QuantityError: the number is infinite or not a number.
+        QuantityError: the number is infinite, not a number, or one that no 64 bits hold.
     """
     if isinstance(number, int):
-        return Fraction(number)
+        return _held(Fraction(number), number)
     if not math.isfinite(number):
         raise QuantityError(f"{show(number)} is not a finite number.")
     return Fraction(repr(number))
+
+
+def _held(number: Fraction, written: float | str) -> Fraction:
+    """The number, which a float can be close to.
+
+    Raises:
+        QuantityError: it is too large, or so small that a float would be 0.
+    """
+    try:
+        is_held = (float(number) == 0.0) is (number == 0)
+    except OverflowError:
+        is_held = False
+    if not is_held:
+        size = "large" if abs(number) > 1 else "small"
+        what = "a whole number of so many digits" if isinstance(written, int) else show(written)
+        raise QuantityError(f"{what} is too {size} for a number of 64 bits.")
+    return number
 
 
 def simple(exact: Fraction) -> Fraction:
@@ -96,10 +113,14 @@ def quantity(
     A ``difference`` has no offset, whatever unit it is written in.
 
     Raises:
-        QuantityError: no number, or a unit of another dimension.
+        QuantityError: no number, one that no 64 bits hold, or a unit of another dimension.
     """
     if not isinstance(value, str):
         return exact(value)
+    return _held(_converted(value, unit, own, difference), value)
+
+
+def _converted(value: str, unit: str | Unit, own: Mapping[str, Unit], difference: bool) -> Fraction:
     number, spelling = split_quantity(value)
     if spelling is None:
         return number
