@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from cohaptic import fmu, theory
     from cohaptic.identified import identify
     from cohaptic.runs import resume, run
+    from cohaptic.theory import spectral_radius
     from cosim.base.component import Causality, Component, Variable, VariableType
     from cosim.reading import edit, load
     from cosim.record import open_run
     from cosim.scenario import Scenario
     from cosim.sweep.ask import sweep
-    from cosim.sweep.theory import spectral_radius
 else:
     _HOMES = {
         "Causality": ("cosim.base.component", "Causality"),
@@ -36,7 +36,7 @@ else:
         "open_run": ("cosim.record", "open_run"),
         "resume": ("cohaptic.runs", "resume"),
         "run": ("cohaptic.runs", "run"),
-        "spectral_radius": ("cosim.sweep.theory", "spectral_radius"),
+        "spectral_radius": ("cohaptic.theory", "spectral_radius"),
         "sweep": ("cosim.sweep.ask", "sweep"),
     }
 

@@ -6,11 +6,12 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from cosim.base.arguments import texts_of
 from cosim.base.component import Component
 from cosim.continuation.continued import Continuation
 from cosim.continuation.origin import Origin
 from cosim.master.run.execution.loop import Progress
-from cosim.reading import load
+from cosim.reading import load, scenario_of
 from cosim.record.reader import SCENARIO_FILE
 from cosim.run import Finished, run_scenario
 from cosim.scenario import Scenario
@@ -46,15 +47,14 @@ def run(
     Raises:
         InputError: something cannot be used; no folder is left behind.
         RunError: the record could not be begun.
+        TypeError: an argument is not what it has to be.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load(scenario, sets=sets)
-    elif sets:
-        raise TypeError("sets goes with a name or a file; edit() changes a scenario.")
+    scenario = scenario_of(scenario, sets)
+    times = texts_of("snapshots", snapshots)
     return run_scenario(
         scenario,
         None if out is None else Path(out),
-        execute=Continuation(_say, None, tuple(snapshots)) if snapshots else None,
+        execute=Continuation(_say, None, times) if times else None,
         figure=figure,
         page=page,
         progress=progress,

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from os import PathLike
-from typing import TYPE_CHECKING, Any
+from decimal import Decimal
+from fractions import Fraction
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, cast
 
+from cosim.base.arguments import texts_of
 from cosim.base.errors import InputError
 from cosim.base.system.installed import registered
 
@@ -53,27 +56,56 @@ def _expect() -> type[BaseModel]:
 FORMS: Forms = {"safety": _safety, "realtime": _realtime, "link": _link, "expect": _expect}
 
 
-def edit(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+def edit(scenario: str | PathLike[str] | Scenario, values: Mapping[str, Any]) -> Scenario:
     """A scenario with other values, by place: ``{"components.hand.parameters.mass": 0.2}``.
 
     Places are those of ``--set``; the scenario that is given stays as it is. A class of a component
-    stands for its module and name: ``{"components.hand.python": MyHand}``.
+    stands for its module and name: ``{"components.hand.python": MyHand}``; NumPy's numbers and
+    arrays, fractions and paths are values like others.
 
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
+        TypeError: ``values`` is no mapping from places to values.
     """
+    scenario = scenario_of(scenario)
     from cosim.analysis.compensation import tuned
     from cosim.scenario.load import Written
 
-    sets = [f"{place}={_written(value)}" for place, value in values.items()]
+    sets = [f"{place}={_written(value)}" for place, value in _by_place(values).items()]
     return tuned(Written(scenario.file, scenario.root, FORMS).changed(sets)).built()
+
+
+def _by_place(values: Any) -> Mapping[str, Any]:
+    by_place: Mapping[Any, Any] | None = None
+    if isinstance(values, Mapping):
+        by_place = cast("Mapping[Any, Any]", values)
+    if by_place is None or not all(isinstance(place, str) for place in by_place):
+        raise TypeError(
+            "values is a mapping from places to values, such as "
+            f"{{'components.hand.parameters.mass': 0.2}}, not {values!r}."
+        )
+    return by_place
 
 
 def _written(value: Any) -> str:
     """A value as YAML, on one line."""
     if isinstance(value, type):
         return _named(value)
-    return value if isinstance(value, str) else json.dumps(value, default=_named)
+    return value if isinstance(value, str) else json.dumps(value, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know: NumPy's values, exact numbers, paths and classes.
+
+    Raises:
+        InputError: it is something else.
+    """
+    if isinstance(value, PathLike):
+        return fspath(cast("PathLike[str]", value))
+    if isinstance(value, Fraction | Decimal):
+        return str(value)
+    to_list = None if isinstance(value, type) else getattr(value, "tolist", None)
+    return _named(value) if to_list is None else to_list()
 
 
 def _named(value: Any) -> str:
@@ -104,7 +136,28 @@ def load(
 
     Raises:
         InputError: one or more (``InputErrors``) problems, each with its place.
+        TypeError: ``overlays`` or ``sets`` is no list of texts.
     """
     from cosim.analysis import load_tuned
 
-    return load_tuned(path, overlays, sets, forms=FORMS)
+    over = texts_of("overlays", overlays), texts_of("sets", sets)
+    return load_tuned(path, *over, forms=FORMS)
+
+
+def scenario_of(scenario: str | PathLike[str] | Scenario, sets: Sequence[str] = ()) -> Scenario:
+    """What is given, read with ``sets`` where it is a name or a file.
+
+    Raises:
+        InputError: it cannot be read.
+        TypeError: it is something else, or ``sets`` go with what was read already.
+    """
+    from cosim.scenario import Scenario
+
+    if isinstance(scenario, str | PathLike):
+        return load(scenario, sets=sets)
+    given: Any = scenario
+    if not isinstance(given, Scenario):
+        raise TypeError(f"a scenario is a name, a file, or what load() returns, not {given!r}.")
+    if sets:
+        raise TypeError("sets goes with a name or a file; edit() changes a scenario.")
+    return scenario

@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import quantity
+from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.plot.figure import draw
 from cosim.plot.kinds import KINDS
 from cosim.plot.series import Span, select
@@ -49,4 +49,7 @@ def picture_of(
 
 
 def _seconds(time: str | float) -> Fraction:
-    return quantity(time, "s")
+    try:
+        return quantity(time if isinstance(time, str) else float(time), "s")
+    except QuantityError as error:
+        raise InputError(str(error)) from None

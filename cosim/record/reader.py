@@ -110,7 +110,7 @@ class Run:
                 " of the run has them."
             )
         raise InputError(
-            f"{self.folder}: no signal {name} was recorded.{did_you_mean(name, self.signals)}"
+            f"{self.folder}: no signal {name} was recorded.{did_you_mean(str(name), self.signals)}"
         )
 
     def __contains__(self, name: object) -> bool:

@@ -12,6 +12,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning, Slot
 from cosim.base.recording import Column
 from cosim.record.statistics import ColumnStatistics, ColumnSummary
@@ -163,10 +164,28 @@ class RecordedSignal:
         return self[:]
 
     def __getitem__(self, rows: slice) -> Values:
-        """Some rows; only those are read."""
-        start, stop, step = rows.indices(self.group.rows)
-        place = slice(start, stop, step)
-        found = self._dataset[place if self._row is None else (self._row, place)]
+        """Some rows; only those are read.
+
+        Raises:
+            InputError: the run was closed.
+            TypeError: it is no slice.
+        """
+        if not isinstance(rows, slice):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise TypeError(f"{self.name}: rows are read by a slice, such as [0:10], not {rows!r}.")
+        wanted = range(*rows.indices(self.group.rows))
+        if not wanted:
+            return self._read(slice(0, 0))
+        if wanted.step < 0:
+            return self._read(slice(wanted[-1], wanted[0] + 1, -wanted.step))[::-1]
+        return self._read(slice(wanted.start, wanted.stop, wanted.step))
+
+    def _read(self, rows: slice) -> Values:
+        try:
+            found = self._dataset[rows if self._row is None else (self._row, rows)]
+        except (OSError, ValueError):
+            if isinstance(self._dataset, np.ndarray) or self._dataset:
+                raise
+            raise InputError(f"{self.name}: the run that it is of was closed.") from None
         return cast("Values", found)
 
     def cells(self, start: int, stop: int) -> NDArray[np.int64]:

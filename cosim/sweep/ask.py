@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from cosim.base.arguments import texts_of
 from cosim.base.errors import InputError
 from cosim.reading import FORMS
 from cosim.scenario import Scenario
@@ -50,7 +51,7 @@ def sweep(
     )
     request = Request(
         scenario=given,
-        sets=sets,
+        sets=texts_of("sets", sets),
         vary=vary or {},
         seeds=seeds,
         expect=expect or {},

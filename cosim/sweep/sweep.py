@@ -142,6 +142,8 @@ def run_sweep(
         InputError: the scenario, an expectation or the folder cannot be used.
         RunError: no worker comes to life.
     """
+    if workers is not None and not hasattr(workers, "__index__"):
+        raise InputError(f"workers: {workers!r} is no whole number of processes.")
     if workers is not None and workers < 0:
         raise InputError(f"workers: {workers} processes are none; 0 runs in this one.")
     if timeout is not None and not timeout > 0:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any, cast
 
 from cosim import scenario as scenarios
 from cosim.base.changed import changed
 from cosim.base.component import Causality, Component
 from cosim.base.document.problems import Problems
+from cosim.base.errors import InputError
+from cosim.base.suggest import did_you_mean
 from cosim.master.assembly.clock import Clock
 from cosim.master.components.fmu_participant import fmu_values, read_fmu
 from cosim.master.components.participant import Factory, Participant
@@ -29,7 +32,11 @@ def read_participants(
 
     ``instances`` holds components that exist already, by name: they are not made from ``source``.
     ``kinds`` makes the components of further kinds, or of one in place of what is here.
+
+    Raises:
+        InputError: ``instances`` holds one that stands for nothing.
     """
+    _check(instances or {}, scenario)
     found: dict[str, Participant] = {}
     # Each file is looked after once, however many components are made of it.
     bundled, read = cache(_bundled), cache(read_description)
@@ -45,6 +52,30 @@ def read_participants(
             clock.check_exact(scenario.ticks, participant.substeps, name)
             found[name] = participant
     return found
+
+
+def _check(instances: Any, scenario: Scenario) -> None:
+    """Refuse what was handed in and would not be used.
+
+    Raises:
+        InputError: there is no component of that name, it is an FMU, or what is given is none.
+    """
+    if not isinstance(instances, Mapping):
+        raise InputError(f"components: {instances!r} is no mapping from names to components.")
+    for name, given in cast("Mapping[str, Any]", instances).items():
+        if name not in scenario.components:
+            suggestion = did_you_mean(str(name), scenario.components)
+            raise InputError(f"components: there is no component {name}.{suggestion}")
+        if scenario.components[name].kind is Kind.FMU:
+            raise InputError(
+                f"components: {name} is an FMU, which no object stands for; name a class in the "
+                f"scenario: components.{name}: {{python: 'module:Class'}}."
+            )
+        if not isinstance(given, Component):
+            raise InputError(
+                f"components: for {name} there is {given!r}, which is no component: derive its "
+                "class from cohaptic.Component, and make one."
+            )
 
 
 def other_values(

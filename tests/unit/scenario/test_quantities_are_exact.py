@@ -70,7 +70,7 @@ def test_angles_are_as_exact_as_pi() -> None:
         ("-1e308 km", "m", "too large"),
         ("1e-400 m", "m", "too small"),
         (10**400, "m", "a whole number of so many digits is too large"),
-        (10**5000, "m", "a whole number of so many digits is too large"),
+        pytest.param(10**5000, "m", "so many digits is too large", id="beyond str"),
         (math.nan, "s", "is not a finite number"),
         (math.inf, "s", "is not a finite number"),
     ],
