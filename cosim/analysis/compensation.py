@@ -84,13 +84,8 @@ def tuned(written: Written) -> Written:
             )
     grasp = find_grasp(scenario, earliest=True)
     refuse_other_peers(scenario, grasp.workstations)
-    if "auto" in wanted.values() and find_grasp(scenario).ways != grasp.ways:
-        raise InputError(
-            "compensation: auto is for one delay there and one back, and these workstations hear "
-            "of each other after different ones: take cautious, which counts the shortest, or give "
-            "numbers.",
-            scenario.locate(("channels",)),
-        )
+    if "auto" in wanted.values():
+        find_grasp(scenario)  # which has one delay each way
     found = {choice: _compensation(grasp, choice) for choice in set(wanted.values())}
     numbers: list[str] = []
     for name, choice in wanted.items():

@@ -79,10 +79,11 @@ class Grasp:
 def find_grasp(scenario: Scenario, *, earliest: bool = False) -> Grasp:
     """The distributed workstations of a scenario and the timing between them.
 
-    ``earliest`` rounds delays down and takes the shortest; else they are rounded up, the longest.
+    ``earliest`` rounds delays down and takes the shortest; else they are rounded up.
 
     Raises:
-        InputError: there are fewer than two, or nothing joins them.
+        InputError: there are fewer than two, nothing joins them, or, unless ``earliest``, their
+            delays differ.
     """
     workstations = tuple(
         part
@@ -140,7 +141,13 @@ def _timing(
     order = list(names)
     ahead = [delay for (a, b), delay in delays.items() if order.index(a) < order.index(b)]
     back = [delay for (a, b), delay in delays.items() if order.index(a) > order.index(b)]
-    forward, backward = (min(way) if earliest else max(way) for way in (ahead, back))
+    if not earliest and (len(set(ahead)) > 1 or len(set(back)) > 1):
+        raise InputError(
+            "the workstations hear of each other after different delays; the theory takes one "
+            "there and one back.",
+            scenario.locate(("channels",)),
+        )
+    forward, backward = min(ahead), min(back)
     rounded = math.floor if earliest else math.ceil
     timing = Timing(
         control_period=Fraction(control) / scenario.base_rate,

@@ -18,7 +18,7 @@ from cosim.analysis.left_out import (
     refuse_what_chapters_leave_out,
 )
 from cosim.analysis.monodromy.refusal import chances
-from cosim.analysis.parameter import parameter
+from cosim.analysis.parameter import parameter, refuse_unknown_parameters
 from cosim.analysis.single_axis import ScenarioLoop, read_single_axis
 from cosim.analysis.single_axis_parts import WITHOUT_CHANCE
 from cosim.base.errors import InputError
@@ -39,6 +39,9 @@ def read_loop(scenario: Scenario) -> ScenarioLoop:
     Raises:
         InputError: where the scenario has no loop that chapters 3 to 6 know, or has more than it.
     """
+    for part in scenario.components.values():
+        if part.is_bundled:
+            refuse_unknown_parameters(scenario, part)
     refuse_what_chapters_leave_out(scenario)
     refuse_recorded_fates(scenario)
     sources = {part.source for part in scenario.components.values() if part.is_bundled}

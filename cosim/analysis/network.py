@@ -38,7 +38,10 @@ def network_of(scenario: Scenario) -> Network | None:
 
 
 def _facts(scenario: Scenario, link: str, way: Direction) -> tuple[float, float, float]:
-    """Mean delay (s), RMS jitter (s) and probability of loss of one direction."""
+    """Mean delay (s), RMS jitter (s) and probability of loss of one direction.
+
+    What is held back counts as lost: the next packet has come already.
+    """
     if isinstance(link_delays(scenario, link).loss, GilbertElliott):
         raise InputError(
             f"{link} loses packets in bursts, and a design stands losses that come each by itself: "
@@ -48,4 +51,7 @@ def _facts(scenario: Scenario, link: str, way: Direction) -> tuple[float, float,
         )
     tick = float(1 / scenario.base_rate)
     found = average(way)
-    return found.delay * tick, math.sqrt(found.variance) * tick, found.lost
+    held_back = way.impairments.get("reorder")
+    kept = 1.0 if held_back is None else 1.0 - held_back.describe()
+    lost = 1.0 - (1.0 - found.lost) * kept
+    return found.delay * tick, math.sqrt(found.variance) * tick, lost

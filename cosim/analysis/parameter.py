@@ -10,7 +10,7 @@ from cosim.base.document.show import show
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import QuantityError, quantity, split_quantity
 from cosim.base.suggest import did_you_mean
-from cosim.scenario import ScenarioComponent
+from cosim.scenario import Scenario, ScenarioComponent
 
 AUTO = "auto"
 """What is computed from the others; until it is, the model's own value stands."""
@@ -39,6 +39,37 @@ def parameter(component: ScenarioComponent, name: str) -> float:
         raise InputError(f"{component.name}.{name}: {error}") from None
 
 
+def refuse_unknown_parameters(scenario: Scenario, component: ScenarioComponent) -> None:
+    """Refuse what one of our models has no parameter for, and words that none of its choices is.
+
+    For those who read a scenario without loading its FMUs, which would refuse it.
+
+    Raises:
+        InputError: by name and place.
+    """
+    known = _choices(component.source)
+    for name, value in component.parameters.items():
+        place = scenario.locate(("components", component.name, "parameters", *name.split(".")))
+        path = name.partition("[")[0]
+        if any(one.startswith(f"{path}.") for one in known):
+            continue  # a word for a group, such as auto
+        if path not in known:
+            raise InputError(
+                f"{component.name}: {component.source} has no parameter {name}."
+                f"{did_you_mean(name, known)}",
+                place,
+            )
+        for one in value if isinstance(value, tuple) else (value,):
+            choices = known[path]
+            if choices and one not in choices:
+                words = [choice for choice in choices if isinstance(choice, str)]
+                raise InputError(
+                    f"{component.name}.{name} is {', '.join(words)}, not {show(one)}."
+                    f"{did_you_mean(str(one), words)}",
+                    place,
+                )
+
+
 def is_number(value: object) -> bool:
     """Whether a parameter's value is a number, with a unit or without."""
     if isinstance(value, str):
@@ -59,4 +90,21 @@ def _numbers(model: str) -> Mapping[str, tuple[float, str | None]]:
         element.name: (float(element.start), element.variable.unit)
         for element in SlotLayout(found).elements
         if isinstance(element.start, int | float)
+    }
+
+
+@cache
+def _choices(model: str) -> Mapping[str, tuple[str | int, ...]]:
+    """Every parameter of a model, and of an enumeration its words and their numbers."""
+    from fmus.layout import SlotLayout
+
+    found = import_module(f"fmus.{model}.variables").MODEL
+    return {
+        placed.path: tuple(
+            choice
+            for item in (placed.variable.enumeration.items if placed.variable.enumeration else ())
+            for choice in (item.name, item.value)
+        )
+        for placed in SlotLayout(found).placed
+        if placed.variable.causality == "parameter"
     }

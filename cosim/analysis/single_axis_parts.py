@@ -20,7 +20,7 @@ from cosim.theory.models.timing import PathDelay, Timing
 
 WITHOUT_CHANCE = (
     "Loss, jitter and reordering of the channels are left out here; theory radius and theory loss "
-    "take them, and theory design loss and jitter."
+    "take them, and theory design does."
 )
 
 

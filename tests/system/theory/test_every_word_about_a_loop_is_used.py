@@ -159,3 +159,37 @@ def test_a_start_and_a_list_of_events_may_be_set_in_a_run() -> None:
     turned = ("radius", "--scenario", "single_axis_turned")
     assert "is turned at tick" in refusal(*turned)
     assert answer(*turned, "--set", "events=~", "--set", "start_time=3")["at"] > 3.0
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("components.finger_a1.parameters.physical_damping=1", "has no parameter physical_damping"),
+        ("components.vr_a.parameters.local_normal_stifness=9", "Did you mean local_normal_stiff"),
+        ("components.vr_a.parameters.box_is_pushed_with=given", "box_is_pushed_with is "),
+        ("components.operator_a1.parameters.force_mode=[steps, none]", "Did you mean step"),
+    ],
+)
+def test_a_parameter_that_no_model_has_is_refused_though_nothing_runs(
+    written: str, said: str
+) -> None:
+    loop = ("passivity", "--scenario", "two_users_box", "--device-damping", "3", "--set", written)
+    assert said in refusal(*loop)
+
+
+def test_users_that_hear_each_other_after_different_delays_are_no_loop() -> None:
+    longer = ("channels.lan_ab.round_trip_delay=~", "channels.lan_ab.each_way_delay=3")
+    sets = [part for text in longer for part in ("--set", text)]
+    loop = ("passivity", "--scenario", "thesis/three_users", "--device-damping", "3")
+    answer(*loop)
+    assert "after different delays" in refusal(*loop, *sets)
+
+
+def test_a_design_stands_what_is_held_back_as_it_stands_losses() -> None:
+    def designed(*sets: str) -> dict[str, Any]:
+        return answer("design", *DISTRIBUTED, *(part for text in sets for part in ("--set", text)))
+
+    plain, lost, late = (
+        designed(*sets) for sets in ((), ("channels.lan.loss=0.3",), ("channels.lan.reorder=0.3",))
+    )
+    assert late == lost != plain

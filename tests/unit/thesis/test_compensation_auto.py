@@ -87,5 +87,5 @@ def test_ways_of_unlike_delays_have_no_null_of_one():
         if choice == "cautious":
             load_tuned(THREE, (), [*sets, given])
             continue
-        with pytest.raises(InputError, match="after different ones"):
+        with pytest.raises(InputError, match="after different delays"):
             load_tuned(THREE, (), [*sets, given])
