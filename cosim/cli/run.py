@@ -43,7 +43,9 @@ if TYPE_CHECKING:
 )
 @click.option("--duration", metavar="TIME", help="Simulated time, instead of the scenario's (s).")
 @click.option(
-    "--stop-time", metavar="TIME", help="Of an FMU given in place of a scenario: how long to run."
+    "--stop-time",
+    metavar="TIME",
+    help="Of an FMU or a system, not a scenario: when to stop.",
 )
 @click.option("--step-size", metavar="TIME", help="Of an FMU: how long its steps are.")
 @click.option(

@@ -31,10 +31,11 @@ class _Importer:
         self._values.bind(structure.system, ())
         notes += self._hierarchy.contradictions()
 
-    def document(self, stop_time: Fraction | None) -> dict[str, Any]:
+    def document(self, stop_time: Fraction | None, start_time: Fraction | None) -> dict[str, Any]:
         own = dict(self._structure.own)
         title = own.pop("title", self._structure.title)
-        start = start_of(self._structure, own)
+        start = start_of(self._structure, own) if start_time is None else start_time
+        own.pop("start_time", None)
         times = {"start_time": format_exact(start)} if start else {}
         duration = duration_of(self._structure, own, start, stop_time)
         rest = {"cohaptic": 1, "title": title, **times, "duration": duration, **own}
@@ -191,13 +192,16 @@ class _Importer:
 
 
 def to_scenario(
-    structure: SspStructure, stop_time: Fraction | None, notes: list[str]
+    structure: SspStructure,
+    stop_time: Fraction | None,
+    notes: list[str],
+    start_time: Fraction | None = None,
 ) -> dict[str, Any]:
     """The document of a scenario that computes what the structure describes.
 
-    ``stop_time`` (s) takes the place of the structure's; ``notes`` gets what is worth telling.
+    The times (s) take the place of the structure's; ``notes`` gets what is worth telling.
 
     Raises:
         InputError: something of it cannot be used here.
     """
-    return _Importer(structure, notes).document(stop_time)
+    return _Importer(structure, notes).document(stop_time, start_time)

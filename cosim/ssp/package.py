@@ -27,8 +27,12 @@ def is_system(given: str | None) -> bool:
     return path.suffix.casefold() in {".ssp", ".ssd"} or path.name.endswith(OSP_FILE)
 
 
-def read_system(path: Path, stop_time: Fraction | None) -> tuple[dict[str, Any], list[str]]:
+def read_system(
+    path: Path, stop_time: Fraction | None, start_time: Fraction | None = None
+) -> tuple[dict[str, Any], list[str]]:
     """The document of a scenario, and what is worth telling.
+
+    The times (s) take the place of the system's.
 
     Raises:
         InputError: it cannot be read, or uses what cannot be used here.
@@ -42,7 +46,7 @@ def read_system(path: Path, stop_time: Fraction | None) -> tuple[dict[str, Any],
             raise InputError(f"{file} describes no system: its root is {root.tag}.")
         notes += broken
         structure = read_structure(root, file)
-    return to_scenario(structure, stop_time, notes), notes
+    return to_scenario(structure, stop_time, notes, start_time), notes
 
 
 def _file(path: Path) -> Path:

@@ -7,17 +7,24 @@ from fractions import Fraction
 from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.base.quantities.quantity import decimal, format_exact
+from cosim.base.quantities.quantity import QuantityError, decimal, format_exact, quantity
 from cosim.ssp.structure import SspStructure
 
 
 def start_of(structure: SspStructure, own: Mapping[str, Any]) -> Fraction:
-    """When time begins (s); 0 where our own annotation says it.
+    """When time begins (s), by our own annotation where that says it.
 
     Raises:
         InputError: it is no time.
     """
-    if "start_time" in own or structure.start is None:
+    if "start_time" in own:
+        try:
+            return quantity(own["start_time"], "s")
+        except (QuantityError, TypeError):
+            raise InputError(
+                f"the annotation of {structure.file.name} has the start_time {own['start_time']}."
+            ) from None
+    if structure.start is None:
         return Fraction(0)
     return _seconds(structure, "startTime", structure.start)
 

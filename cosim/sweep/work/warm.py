@@ -67,7 +67,7 @@ class Warm:
         self._sinks: dict[int, MemorySink] = {}
         self._runs: dict[int, Run] = {}
         self._last: MemorySink | None = None
-        self._begun = False
+        self._begun = self._is_stuck = False
         self._start = _tick_of(job.start, scenario)
         try:
             if job.start is not None and not self.turn_to(asked):
@@ -78,8 +78,11 @@ class Warm:
 
     @property
     def is_lost(self) -> bool:
-        """Whether an FMU met its end for good: nothing more can be run here."""
-        return any(fmu.is_lost for fmu in self._simulation.fmus.values())
+        """Whether nothing more can be run here.
+
+        An FMU met its end for good, or what comes before the points failed.
+        """
+        return self._is_stuck or any(fmu.is_lost for fmu in self._simulation.fmus.values())
 
     @property
     def assembly(self) -> Assembly:
@@ -199,7 +202,9 @@ class Warm:
         assert self._start is not None
         base = self._sink(self._base.scenario)
         if not self._begun:
+            self._is_stuck = True
             self._simulation.run(base, until=self._start, mark_at_end=True)
+            self._is_stuck = False
         sink.keep(self._start, base)
         self._simulation.branch(assembly)
 

@@ -80,7 +80,8 @@ def test_without_options_the_default_experiment_says_how_long(here: Path) -> Non
         ('startTime="1.5" stopTime="2" stepSize="0.125"', ("--stop-time", "3"), (1.5, 3.0)),
         ('startTime="1.5" stopTime="2"', (), (1.5, 2.0)),
         ('startTime="0.7" stopTime="4.3"', (), (0.7, 4.3)),
-        ('startTime="-1" stopTime="1" stepSize="0.125"', ("--set", "start_time=0"), (0.0, 2.0)),
+        ('startTime="-1" stopTime="1" stepSize="0.125"', ("--set", "start_time=0"), (0.0, 1.0)),
+        ('stopTime="2"', ("--set", "start_time = 500 ms"), (0.5, 2.0)),
     ],
 )
 def test_it_begins_where_the_default_experiment_says(

@@ -25,7 +25,8 @@ STRUCTURE = {
 
 
 def fmu(folder: Path, version: int, name: str, unit: str, more: str = "") -> Path:
-    variables = scalar(version, "y", 1, causality="output", unit=unit)
+    y = {"causality": "output", "initial": "exact", "start": "0"}
+    variables = scalar(version, "y", 1, unit=unit, **y)
     variables += scalar(version, "u", 2, causality="input", start="0", unit=unit)
     structure = STRUCTURE[version]
     return foreign_fmu(

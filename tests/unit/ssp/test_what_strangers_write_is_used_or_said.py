@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from cosim.base.errors import InputError
+from cosim.cli.ssp.system import scenario_of_system
 from cosim.master.run.simulation import assemble
 from cosim.scenario import load
 from cosim.ssp.package import read_system
@@ -159,6 +160,57 @@ def test_an_element_has_a_name_of_the_scenario(folder: Path, name: str, plain: s
     written = folder / "it.yaml"
     written.write_text(write_yaml(document))
     assemble(load(written)).close()
+
+
+def run_of(
+    file: Path, stop: str | None, *sets: str
+) -> tuple[tuple[float, float], str, list[str]]:
+    """From when to when (s), under which name, and what is said."""
+    said: list[str] = []
+    scenario = scenario_of_system(str(file), stop_time=stop, sets=sets, say=said.append)
+    start, end = scenario.start_time, scenario.ticks / scenario.base_rate
+    return (float(start), float(start + end)), scenario.name, said
+
+
+@pytest.mark.parametrize(
+    ("own", "stop", "sets", "times"),
+    [
+        ("", None, (), (0.5, 1)),
+        ("", "3", (), (0.5, 3)),
+        ("", None, ("start_time=0.25",), (0.25, 1)),
+        ("", "3", ("start_time = 1 s",), (1, 3)),
+        ("start_time: 2\nduration: 4", None, (), (2, 6)),
+        ("start_time: 2\nduration: 4", "3", (), (2, 3)),
+        ("start_time: 2\nduration: 4", "3", ("start_time=1",), (1, 3)),
+    ],
+)
+def test_it_begins_and_ends_when_it_is_said(
+    folder: Path, own: str, stop: str | None, sets: tuple[str, ...], times: tuple[float, float]
+) -> None:
+    text = (OWN.format(own) if own else "") + system(WAY)
+    file = ssd(folder, text, start="0.5")
+    assert run_of(file, stop, *sets)[0] == times
+
+
+def test_a_part_of_a_tick_is_run_to_its_end_and_said(folder: Path) -> None:
+    file = ssd(folder, system(WAY))
+    assert run_of(file, "0.2")[::2] == (
+        (0, 0.25),
+        ["note: 0.2 s are no whole number of ticks; the run ends at 0.25 s"],
+    )
+
+
+def test_a_time_to_begin_that_is_none_is_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="--set start_time=soon: 'soon' is not a number"):
+        run_of(ssd(folder, system(WAY)), None, "start_time=soon")
+    with pytest.raises(InputError, match=r"annotation of .* has the start_time \[1\]"):
+        run_of(ssd(folder, OWN.format("start_time: [1]") + system(WAY)), None)
+
+
+@pytest.mark.parametrize(("name", "plain"), [("31-a", "a"), ("größe", "gro_e"), ("1", "system")])
+def test_a_folder_is_called_as_it_likes(folder: Path, name: str, plain: str) -> None:
+    ssd(folder, system(WAY))
+    assert run_of(folder.rename(folder.with_name(name)), None)[1] == plain
 
 
 SIMULATOR = '<Simulator name="b" source="adder.fmu"/>'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from fractions import Fraction
 from math import ceil, gcd, lcm
 from pathlib import Path
@@ -55,13 +55,14 @@ def scenario_of_fmu(
 
     path = Path(given).expanduser().absolute()
     description = read_description(path)
-    start = description.start_time or Fraction(0)
+    begin, sets = begin_of(sets, description.variables)
+    start = begin if begin is not None else description.start_time or Fraction(0)
     duration = _stop(description, path, stop_time) - start
     if duration <= 0:
         raise InputError(
-            f"the FMU {path} starts at {float(start):g} s (its default experiment) and would "
-            f"stop at {float(start + duration):g} s; give a later --stop-time, or "
-            "--set start_time=0"
+            f"the FMU {path} starts at {float(start):g} s"
+            f"{' (its default experiment)' if begin is None else ''} and would stop at "
+            f"{float(start + duration):g} s; give a later --stop-time, or --set start_time=0"
         )
     step = seconds(step_size, "--step-size") if step_size is not None else description.step_size
     if step is None:
@@ -91,6 +92,31 @@ def scenario_of_fmu(
         keys, value = _placed(text, name, description)
         written = written.with_value(keys, value, text) if keys else written.changed((text,))
     return written.built()
+
+
+def begin_of(
+    sets: Sequence[str], taken: Container[str] = ()
+) -> tuple[Fraction | None, Sequence[str]]:
+    """When it is to begin (s), where an override says so, and the other overrides.
+
+    It is none where ``start_time`` is a name that is ``taken``.
+
+    Raises:
+        InputError: it says no time.
+    """
+    from cosim.base.quantities.quantity import QuantityError, quantity, simple
+
+    begin, others = None, list[str]()
+    for text in sets:
+        key, _, value = text.partition("=")
+        if key.strip() != "start_time" or "start_time" in taken:
+            others.append(text)
+            continue
+        try:
+            begin = simple(quantity(value, "s"))
+        except QuantityError as error:
+            raise InputError(f"--set {text}: {error}") from None
+    return begin, others
 
 
 def _step(start: Fraction, duration: Fraction) -> Fraction:

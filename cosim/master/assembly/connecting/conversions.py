@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cosim.base.component import VariableType
+from cosim.base.component import Variable, VariableType
 from cosim.base.errors import InputError
 from cosim.base.quantities.units import conversion
 from cosim.master.assembly.connecting.ends import Pair, name_of, source_name
@@ -63,6 +63,7 @@ class Conversions:
         into = f"{name_of(self._interfaces, pair.target)} ({here.type})"
         if (there.type.is_text or here.type.is_text) and there.type is not here.type:
             raise InputError(f"{names} cannot drive {into}: texts and binary data keep their type")
+        self._note_items(connection, there, here)
         from_integer = here.type.is_float and not there.type.is_float
         if from_integer and there.type in {VariableType.BOOLEAN, VariableType.ENUMERATION}:
             raise InputError(f"{names} cannot drive {into}: it is not a number")
@@ -102,6 +103,16 @@ class Conversions:
                 raise InputError(f"{names} in {there.unit} cannot drive {into} in {here.unit}")
             self.notes.append(f"{connection}: {there.unit} is converted to {here.unit}")
         return (*factor, from_integer)
+
+    def _note_items(self, connection: Connection, there: Variable, here: Variable) -> None:
+        """A number of an enumeration passes, whatever it is called at either end."""
+        names = {number: name for name, number in (here.items or {}).items()}
+        for name, number in (there.items or {}).items():
+            if names.get(number, name) != name:
+                self.notes.append(
+                    f"{connection}: {number} is {name} at one end and {names[number]} at the other"
+                )
+                return
 
 
 def _known_by_name_only(pair: Pair) -> str:
