@@ -23,6 +23,11 @@ _DID = {
     Act.TUNE: "the turning of a parameter",
 }
 
+_HINTS = {
+    "discard": "; it could not take a step of this length: a higher rate makes shorter ones",
+    "pending": "; it steps asynchronously, which nobody waits for here",
+}
+"""What to do about a status of a step."""
 _IN = {
     Act.SET: "while its inputs were set",
     Act.GET: "while its outputs were read",
@@ -56,7 +61,8 @@ def explain(outcome: KernelOutcome, program: Program, fmus: dict[str, Fmu]) -> C
             return EndAsked(f"{component} asked to end the simulation at {when}{chatted}")
         kind = RunError if kernel.running or status == "fatal" else InputError
         came = at_event or f"from {_DID[act]}"
-        return kind(f"{component} returned status '{status}' {came} at {when}{logged}")
+        hint = _HINTS.get(status, "") if is_step else ""
+        return kind(f"{component} returned status '{status}' {came} at {when}{logged}{hint}")
     if outcome is KernelOutcome.NOT_A_NUMBER:
         return RunError(f"{_variable(program)} became NaN at {when}{logged}")
     if outcome is KernelOutcome.RANGE:

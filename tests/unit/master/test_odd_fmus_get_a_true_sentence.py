@@ -207,3 +207,23 @@ def test_a_value_outside_of_an_enumeration_is_refused_where_it_arrives(
         pytest.raises(RunError, match=r"b\.u cannot take 4 at tick .*level_1 \(1\), level_2"),
     ):
         simulation.run()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize(
+    ("status", "said"), [(2, "a higher rate makes shorter ones"), (5, "it steps asynchronously")]
+)
+def test_what_to_do_about_a_step_is_said(
+    tmp_path: Path, version: int, status: int, said: str
+) -> None:
+    snippet = f"""
+        static int hook(Foreign *m, const char *call)
+        {{
+            return is(call, "DoStep") ? {status} : 0;
+        }}
+        #define HOOK hook
+    """
+    u = scalar(version, "u", 1, causality="input", start="0")
+    path = foreign_fmu(tmp_path, version, u, snippet=snippet)
+    with pytest.raises(RunError, match=said):
+        run(scenario_of(tmp_path, component(path)))

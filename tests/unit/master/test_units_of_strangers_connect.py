@@ -122,3 +122,41 @@ def test_a_difference_given_in_another_unit_has_no_offset_either(tmp_path: Path)
     )
     _, simulation = run(scenario_of(tmp_path, text))
     assert simulation.assembly.participants["it"].parameters["p"] == [5.0]
+
+
+def items(*names: str) -> str:
+    inner = "".join(f'<Item name="{n}" value="{i}"/>' for i, n in enumerate(names, 1))
+    return f'<EnumerationType name="C">{inner}</EnumerationType>'
+
+
+@pytest.mark.parametrize(
+    ("there", "here", "said"),
+    [
+        (("red", "green"), ("red", "green"), []),
+        (("red",), ("red", "green"), []),
+        (("red", "green"), ("green", "red"), ["1 is red at one end and green at the other"]),
+    ],
+)
+def test_numbers_with_other_names_at_the_other_end_are_noted(
+    tmp_path: Path, there: tuple[str, ...], here: tuple[str, ...], said: list[str]
+) -> None:
+    kind = {"declaredType": "C", "start": "1", "initial": "exact", "variability": "discrete"}
+    parts = {
+        "a": (scalar(3, "y", 1, "Enumeration", causality="output", **kind), there, STRUCTURE[3]),
+        "b": (scalar(3, "u", 1, "Enumeration", causality="input", **kind), here, ""),
+    }
+    paths = {
+        name: foreign_fmu(
+            tmp_path,
+            3,
+            variables.replace('initial="exact" ', "") if name == "b" else variables,
+            before=f"<TypeDefinitions>{items(*names)}</TypeDefinitions>",
+            structure=structure,
+            name=name,
+        )
+        for name, (variables, names, structure) in parts.items()
+    }
+    written = "".join(f"  {name}: {{fmu: {path}, rate: 10}}\n" for name, path in paths.items())
+    text = f"duration: 1\ncomponents:\n{written}connections: [a.y -> b.u]\n"
+    with assemble(scenario_of(tmp_path, text)) as simulation:
+        assert [note.partition("b.u: ")[2] for note in simulation.notes] == said

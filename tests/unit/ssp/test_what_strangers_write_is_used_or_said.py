@@ -162,9 +162,7 @@ def test_an_element_has_a_name_of_the_scenario(folder: Path, name: str, plain: s
     assemble(load(written)).close()
 
 
-def run_of(
-    file: Path, stop: str | None, *sets: str
-) -> tuple[tuple[float, float], str, list[str]]:
+def run_of(file: Path, stop: str | None, *sets: str) -> tuple[tuple[float, float], str, list[str]]:
     """From when to when (s), under which name, and what is said."""
     said: list[str] = []
     scenario = scenario_of_system(str(file), stop_time=stop, sets=sets, say=said.append)
