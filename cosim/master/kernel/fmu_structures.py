@@ -25,21 +25,21 @@ class ExchangeStruct(ctypes.Structure):
 
     _fields_ = [
         ("asked", c_int64),
-        ("answered", c_int64),
-        ("worker_sleeps", c_int64),
-        ("master_sleeps", c_int64),
         ("request", c_int64),
-        ("status", c_int64),
         ("most_references", c_int64),
         ("most_bytes", c_int64),
         ("reference_count", c_int64),
         ("value_count", c_int64),
         ("time", c_double),
         ("step", c_double),
+        ("answered", c_int64),
+        ("status", c_int64),
         ("event", c_int64),
         ("terminate", c_int64),
         ("early_return", c_int64),
         ("last_time", c_double),
+        ("worker_sleeps", c_int64),
+        ("master_sleeps", c_int64),
     ]
 
 

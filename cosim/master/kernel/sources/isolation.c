@@ -48,12 +48,14 @@ static bool await(const Isolation *side, int64_t *turn, int64_t *sleeping, int64
     }
 }
 
-/* Gives the turn to the other side; it is woken if it sleeps. */
+/* Gives the turn to the other side; it is woken if it sleeps, which is looked at before it is taken
+   back: a look leaves the memory to both. */
 static void hand_over(const Isolation *side, int64_t *turn, int64_t *sleeping)
 {
     char byte = 0;
     __atomic_add_fetch(turn, 1, __ATOMIC_SEQ_CST);
-    if (__atomic_exchange_n(sleeping, 0, __ATOMIC_SEQ_CST) == 1)
+    if (__atomic_load_n(sleeping, __ATOMIC_SEQ_CST) == 1
+        && __atomic_exchange_n(sleeping, 0, __ATOMIC_SEQ_CST) == 1)
         for (int64_t i = 0; i < TRIES && transfer(side->write, side->mouth, &byte) < 0; i++)
             ;
 }

@@ -17,7 +17,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { KERNEL_ABI = 11 };
+enum { KERNEL_ABI = 12 };
 
 /* FMI status codes that both versions share (FMI 2.0.4 section 2.1.3, FMI 3.0 section 2.2.3). */
 enum { STATUS_OK = 0, STATUS_WARNING = 1 };
@@ -253,24 +253,26 @@ typedef struct {
     double *reference;    /* the newest accepted values */
 } Admission;
 
-/* What the kernel's process and that of an isolated FMU share; references and values follow it. */
+/* What the kernel's process and that of an isolated FMU share; references and values follow it. The
+   first eight fields are written by the master, and the next six with the answer: 64 bytes each, so
+   that a request and its answer cross from one processor to the other once. */
 typedef struct {
-    int64_t asked;    /* requests so far */
-    int64_t answered;
-    int64_t worker_sleeps;
-    int64_t master_sleeps;
+    int64_t asked; /* requests so far */
     int64_t request;
-    int64_t status;
     int64_t most_references; /* room for so many */
     int64_t most_bytes;      /* of values */
     int64_t reference_count;
     int64_t value_count;
     double time;
     double step;
+    int64_t answered;
+    int64_t status;
     int64_t event;
     int64_t terminate;
     int64_t early_return;
     double last_time;
+    int64_t worker_sleeps;
+    int64_t master_sleeps;
 } Exchange;
 
 /* read(2) and write(2) of the process: the kernel has no C library of its own. */
