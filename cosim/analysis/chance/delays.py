@@ -60,8 +60,15 @@ def packet_delays(direction: Direction, period: int) -> PacketDelays | None:
         elif isinstance(effect, Bernoulli):
             loss = effect.probability
         elif isinstance(effect, GilbertElliott):
-            loss = effect
+            loss = _in_the_long_run(effect)
     return PacketDelays(ticks, period, loss)
+
+
+def _in_the_long_run(bursts: GilbertElliott) -> float | GilbertElliott:
+    """Bursts that never begin, or never end, are the losses of the one state that there is."""
+    if bursts.good_to_bad == 0.0:
+        return bursts.loss_good
+    return bursts.loss_bad if bursts.bad_to_good == 0.0 else bursts
 
 
 def link_delays(scenario: Scenario, link: str) -> PacketDelays:

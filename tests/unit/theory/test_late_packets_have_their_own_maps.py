@@ -11,6 +11,7 @@ import pytest
 
 from cosim.analysis.answers.asked import ask
 from cosim.analysis.answers.chance import own_chance, with_losses
+from cosim.analysis.answers.vary import deciding_radius
 from cosim.analysis.chance.chain import chain_of
 from cosim.analysis.chance.delays import PacketDelays
 from cosim.analysis.monodromy.refusal import refuse_chance
@@ -217,3 +218,21 @@ def test_the_critical_loss_knows_the_jitter() -> None:
             assert critical is not None
             found.append(critical)
     assert found[1] < 0.9 * found[0]
+
+
+@pytest.mark.parametrize(
+    ("bursts", "loss"),
+    [
+        ("{good_to_bad: 0, bad_to_good: 0.001}", 0.0),
+        ("{good_to_bad: 0, bad_to_good: 0.001, loss_good: 0.2}", 0.2),
+        ("{good_to_bad: 0.001, bad_to_good: 0, loss_good: 0, loss_bad: 0.3}", 0.3),
+    ],
+)
+def test_bursts_that_never_begin_or_end_are_no_bursts(bursts: str, loss: float) -> None:
+    """A channel is in the state that it stays in, and the other one says nothing of it."""
+
+    def radius(loss: str) -> float:
+        with ask(read("single_axis_distributed", (), [f"channels.lan.loss={loss}"])) as asked:
+            return deciding_radius(asked.point())
+
+    assert radius(bursts) == pytest.approx(radius(str(loss)), rel=1e-9)
