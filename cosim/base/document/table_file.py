@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.base.document.text_file import read_text
+from cosim.base.document.typography import comma_in_number
 from cosim.base.errors import InputError, Location
 from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.quantities.unit_hint import unit_hint
@@ -31,6 +32,10 @@ TIME = ("t", "time")
 _NAME = r"[^\W\d]\w*(?:\.[^\W\d]\w*)*"
 _COLUMN = re.compile(rf"\s*\"?({_NAME})\s*(?:\[([^\]]*)\])?\"?\s*")
 _SEPARATORS = (",", ";", "\t")
+_LINE = re.compile(r"\r\n|\r|\n")
+"""What ends a line for an editor, which counts the others as characters."""
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_COMMA = re.compile(r"[+-]?[0-9]+,[0-9]+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +66,12 @@ def read_table(file: Path, columns: Sequence[str] = ()) -> TableFile:
         InputError: the file cannot be read or is no such table, with the line and column of what
             is wrong; or it has no such column.
     """
-    lines = read_text(file, str(file)).splitlines()
+    lines = _LINE.split(read_text(file, str(file)))
     heading = _heading(file, lines)
     clock, chosen = _chosen(file, heading, columns)
     rows = _numbers(file, lines, heading, (clock, *chosen))
-    times = rows[:, 0] * _second(file, heading, clock)
+    with np.errstate(over="ignore"):  # a time beyond all numbers is found below
+        times = rows[:, 0] * _second(file, heading, clock)
     _check_times(file, lines, heading, times)
     names, units = ([each[i] for i in chosen] for each in (heading.names, heading.units))
     return TableFile(tuple(names), tuple(units), times, np.ascontiguousarray(rows[:, 1:]))
@@ -105,15 +111,13 @@ def _heading(file: Path, lines: Sequence[str]) -> Heading:
 
 def _chosen(file: Path, heading: Heading, columns: Sequence[str]) -> tuple[int, tuple[int, ...]]:
     at = Location(str(file), heading.line, 1)
-    clock = next((i for i, name in enumerate(heading.names) if name.casefold() in TIME), None)
-    if clock is None:
-        raise InputError(
-            "no column holds the times; call one 't' or 'time', with its unit: 't [ms]'.", at
-        )
+    clock = _clock(heading, at)
     others = [name for i, name in enumerate(heading.names) if i != clock]
     for name in columns:
         if name not in others:
             raise InputError(f"there is no column '{name}'.{did_you_mean(name, others)}", at)
+    if twice := [name for i, name in enumerate(columns) if name in columns[:i]]:
+        raise InputError(f"the column '{twice[0]}' is asked for twice.", at)
     wanted = list(columns) or others
     if not wanted:
         raise InputError("there is no column beside that of the times.", at)
@@ -121,6 +125,24 @@ def _chosen(file: Path, heading: Heading, columns: Sequence[str]) -> tuple[int, 
     for i in chosen:
         _check_unit(heading.names[i], heading.units[i], at)
     return clock, chosen
+
+
+def _clock(heading: Heading, at: Location) -> int:
+    """Which column holds the times; one called just so before one in capitals.
+
+    Raises:
+        InputError: none does, or two may.
+    """
+    alike = [i for i, name in enumerate(heading.names) if name.casefold() in TIME]
+    clocks = [i for i in alike if heading.names[i] in TIME] or alike
+    if not clocks:
+        raise InputError(
+            "no column holds the times; call one 't' or 'time', with its unit: 't [ms]'.", at
+        )
+    if len(clocks) > 1:
+        names = " and ".join(heading.names[i] for i in clocks)
+        raise InputError(f"{names} may both be the times; call one of them otherwise.", at)
+    return clocks[0]
 
 
 def _check_unit(name: str, unit: str, at: Location) -> None:
@@ -174,10 +196,10 @@ def _first_wrong(
             return InputError(message, Location(str(file), number, 1))
         for i in columns:
             text = fields[i].strip()
-            if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", text) or not np.isfinite(
-                float(text)
-            ):
+            if not _NUMBER.fullmatch(text) or not np.isfinite(float(text)):
                 message = f"{heading.names[i]}: '{text}' is no finite number."
+                if _COMMA.fullmatch(text):
+                    message = f"{heading.names[i]}: {comma_in_number(text)}"
                 column = 1 + (line.find(text) if text else 0)
                 return InputError(message, Location(str(file), number, column))
     return InputError("its rows cannot be read as numbers.", Location(str(file), heading.line, 1))
@@ -186,10 +208,14 @@ def _first_wrong(
 def _check_times(
     file: Path, lines: Sequence[str], heading: Heading, times: NDArray[np.float64]
 ) -> None:
-    wrong = np.flatnonzero(np.diff(times) <= 0.0)
-    if not len(wrong):
+    late = np.flatnonzero(~np.isfinite(times))
+    wrong = np.flatnonzero(np.diff(times[: late[0]] if len(late) else times) <= 0.0)
+    if not len(wrong) and not len(late):
         return
     numbers = [number for number, _ in _data(lines) if number > heading.line]
+    if not len(wrong):
+        at = Location(str(file), numbers[int(late[0])], 1)
+        raise InputError("its time in seconds is no finite number.", at)
     first = int(wrong[0])
     raise InputError(
         f"its time is {times[first + 1]:g} s, and that of the row before is {times[first]:g} s; "

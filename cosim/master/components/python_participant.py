@@ -51,7 +51,7 @@ def _instance(
     if written.kind is Kind.PYTHON:
         return python.load_class(written.source, scenario.file.parent)
     if written.kind is Kind.TABLE:
-        return table_of(written)
+        return table_of(written, scenario)
     raise InputError(f"{written.name} is a {written.kind}, which nobody here can run")
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from cosim.base.component import Causality, Cells, Component, Played, Setup, Variable
 from cosim.base.document.table_file import TableFile, read_table
-from cosim.scenario import ScenarioComponent
+from cosim.base.errors import InputError
+from cosim.scenario import Scenario, ScenarioComponent
 
 
 class ColumnsOfFile(Component):
@@ -48,15 +49,28 @@ class ColumnsOfFile(Component):
         """Nothing to load."""
 
 
-def table_of(written: ScenarioComponent) -> ColumnsOfFile:
+def table_of(written: ScenarioComponent, scenario: Scenario) -> ColumnsOfFile:
     """The component of a scenario's ``table``.
 
     Raises:
-        InputError: the file is no such table, with the place of what is wrong.
+        InputError: the file is no such table, with the place of what is wrong; or nothing of it
+            lies within the run.
     """
     options = written.options
+    table = read_table(Path(written.source), options["columns"])
+    _check_span(table, options["time_offset"], scenario)
     return ColumnsOfFile(
-        read_table(Path(written.source), options["columns"]),
-        is_linear=options["interpolate"] == "linear",
-        time_offset=options["time_offset"],
+        table, is_linear=options["interpolate"] == "linear", time_offset=options["time_offset"]
     )
+
+
+def _check_span(table: TableFile, offset: Fraction, scenario: Scenario) -> None:
+    """Refuse several rows of which a run would show one."""
+    first, last = (float(table.times[row]) + float(offset) for row in (0, -1))
+    begin = float(scenario.start_tick / scenario.base_rate)
+    end = float((scenario.start_tick + scenario.ticks) / scenario.base_rate)
+    if len(table.times) > 1 and (last <= begin or first >= end):
+        raise InputError(
+            f"its times, from {first:g} s to {last:g} s, lie outside the run, from {begin:g} s to "
+            f"{end:g} s, which would show one row alone; time_offset moves them."
+        )

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cosim.base.errors import InputError
@@ -45,6 +45,7 @@ def shown(folder: Path, text: str, signal: str = "hand.x", **keys: Any) -> np.nd
 def test_each_tick_shows_the_row_before_or_the_line(
     tmp_path_factory: pytest.TempPathFactory, times, is_linear, offset, seed
 ) -> None:
+    assume(len(times) == 1 or (times[0] + offset < 1.0 and times[-1] + offset > 0.0))
     values = np.random.default_rng(seed).normal(size=len(times))
     rows = "".join(f"{t!r},{float(v)!r}\n" for t, v in zip(times, values, strict=True))
     keys = {"interpolate": "linear"} if is_linear else {}
@@ -132,6 +133,12 @@ WRONG = {
     "t,x\n0,1\n\n1,1_0\n": (4, "x: '1_0' is no finite number"),
     "t,x\n0,1\n1,2,3\n": (3, "there are 3 columns; the heading has 2"),
     "t,x\n0,1\n0,2\n": (3, "times have to rise"),
+    "t [min],x\n0,1\n1e308,2\n": (3, "its time in seconds is no finite number"),
+    "t;x\n0;1,5\n": (2, "a number has no commas: '1,5' is written 15, or 1.5 with a decimal point"),
+    "t,x\n0,\u0661\n": (2, "is no finite number"),
+    "t,x\n0,1\u20281,2\n": (2, "there are 3 columns; the heading has 2"),
+    "t,time,x\n0,5,1\n": (1, "t and time may both be the times"),
+    "T,Time,x\n0,5,1\n": (1, "T and Time may both be the times"),
 }
 
 
@@ -142,6 +149,33 @@ def test_what_is_no_table_is_refused_by_its_line(tmp_path: Path, text: str) -> N
         shown(tmp_path, text)
     assert f"table.csv:{line}:" in str(caught.value)
     assert words in str(caught.value)
+
+
+def test_a_time_is_called_so_before_anything_in_capitals(tmp_path: Path) -> None:
+    assert shown(tmp_path, "T [K],t [s],x\n300,0,1\n", "hand.T")[0] == 300.0
+
+
+def test_a_column_is_asked_for_once(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("t,x\n0,1\n")
+    with pytest.raises(InputError, match=r"the column 'x' is asked for twice"):
+        run(scenario_of(tmp_path, written(columns=["x", "x"])))
+    with pytest.raises(InputError, match=r"columns"):
+        run(scenario_of(tmp_path, written(columns=[])))
+
+
+@pytest.mark.parametrize(
+    ("rows", "keys"),
+    [
+        ("1764000000.0,1\n1764000010.0,2\n", {}),
+        ("1,1\n2,2\n", {}),
+        ("-2,1\n0,2\n", {}),
+        ("0,1\n1,2\n", {"time_offset": -1}),
+    ],
+)
+def test_rows_outside_the_run_are_refused(rows: str, keys: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"test\.yaml:\d+:\d+: its times, from .* outside the run"):
+        shown(tmp_path, f"t,x\n{rows}", **keys)
+    assert shown(tmp_path, "t,x\n7,1\n")[0] == 1.0, "one row is a constant"
 
 
 def test_a_misspelt_column_is_told(tmp_path: Path) -> None:
