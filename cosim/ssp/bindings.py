@@ -55,7 +55,8 @@ class BoundValues:
         """The components' variables that a name in a system means, and what each is given."""
         if name in system.kinds:
             return self._behind((at, name), given)
-        for child, element in system.elements.items():
+        for child in sorted(system.elements, key=len, reverse=True):
+            element = system.elements[child]
             if not name.startswith(f"{child}."):
                 continue
             rest, path = name[len(child) + 1 :], (*at, child)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.base.component import Causality, Variable, VariableType
+from cosim.base.document.xml_text import xml_text
 from cosim.base.document.yaml_writer import write_yaml
 from cosim.base.errors import InputError
 from cosim.base.meaning import Meaning
@@ -109,8 +110,12 @@ class _Exporter:
         rest = {
             key: value
             for key, value in self._written.items()
-            if key not in {"cohaptic", "components", "connections", "title"} and value
+            if key not in {"cohaptic", "components", "connections", "title"}
+            and (value or key == "record")
         }
+        name = scenario.title or scenario.name
+        if name != xml_text(name):
+            rest["title"] = scenario.title
         more = {"components": self._python, "connections": about}
         own = self._own.Scenario(write_yaml(rest | {k: v for k, v in more.items() if v}))
         system = d.System(name=scenario.name)
@@ -121,7 +126,7 @@ class _Exporter:
         root = d.SystemStructureDescription(
             system,
             version="2.0",
-            name=scenario.title or scenario.name,
+            name=xml_text(name),
             generationTool="cohaptic",
         )
         if units := self._units():
@@ -192,6 +197,11 @@ class _Exporter:
             if kind is VariableType.STRING:
                 is_file = variable.meaning is Meaning.FILE
                 texts = [self._resource(Path(e)) if is_file and e else str(e) for e in elements]
+                if any(text != xml_text(text) for text in texts):
+                    raise InputError(
+                        f"{participant.name}.{name} cannot be exported: it has characters that "
+                        "XML cannot carry."
+                    )
                 inner = self._texts(self._v.String, texts)
             elif kind is VariableType.BINARY:
                 inner = self._texts(self._v.Binary, [element.hex() for element in elements])

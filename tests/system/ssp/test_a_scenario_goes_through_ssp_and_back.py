@@ -150,6 +150,76 @@ def test_texts_and_binaries_go_along(tmp_path: Path) -> None:
             }  # fmt: skip
 
 
+def test_what_is_turned_sampled_and_expected_goes_along(tmp_path: Path) -> None:
+    """And times, transformations, sizes, names with blanks, and that nothing is recorded."""
+    size = {"causality": "structuralParameter", "variability": "fixed", "start": "2"}
+    tuned = {"causality": "parameter", "variability": "tunable", "start": "1", "unit": "m"}
+    variables = (
+        scalar(3, "y", 1, causality="output", initial="exact", start="0", unit="m")
+        + scalar(3, "u (1)", 2, causality="input", start="0", unit="m")
+        + scalar(3, "p", 3, **tuned)
+        + scalar(3, "n", 4, "UInt64", **size)
+        + scalar(3, "a", 5, inside='<Dimension valueReference="4"/>', causality="local")
+    )
+    snippet = """
+        static int hook(Foreign *m, const char *call)
+        {
+            if (is(call, "DoStep"))
+                m->real[1] = m->real[1] / 2 + m->real[2] + m->real[3];
+            return 0;
+        }
+        #define HOOK hook
+    """
+    units = (
+        '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm">'
+        '<BaseUnit m="1" factor="0.001"/></Unit></UnitDefinitions>'
+    )
+    structure = '<Output valueReference="1" dependencies=""/>'
+    fmu = foreign_fmu(tmp_path, 3, variables, structure=structure, snippet=snippet, before=units)
+    part = {"fmu": str(fmu), "rate": "1024/16", "parameters": {"n": 3, "p": "20 mm"}}
+    written = {
+        "title": "a <b> & \a c",
+        "start_time": 1,
+        "duration": "2/3",
+        "base_rate": 192,
+        "components": {
+            "one": {**part, "station": "s"},
+            "two": {**part, "station": "t", "isolate": "process"},
+        },
+        "channels": {
+            "lan": {"between": ["s", "t"], "rate": 64, "round_trip_delay": 4, "loss": "10 %"}
+        },
+        "connections": [
+            {"from": "one.y", "to": "two.u (1)", "via": "lan", "factor": 0.1, "offset": -3}
+        ],
+        "knobs": {"one.p": {"minimum": 0}, "lan.forward.loss": {"maximum": "50 %"}},
+        "events": [{"at": 1.25, "set": {"one.p": "30 mm", "lan.forward.loss": "40 %"}}],
+        "expect": {"one.y": {"max_abs_below": 7}},
+    }
+    scenario = scenario_of(tmp_path, written)
+    back = through_ssp(scenario, tmp_path / "x.ssp")
+    for each in ("title", "start_time", "duration", "events", "knobs", "expect"):
+        assert getattr(back, each) == getattr(scenario, each), each
+    (names, here), (others, there) = rows(scenario), rows(back)
+    assert names == others
+    assert all(np.array_equal(one, other) for one, other in zip(here, there, strict=True))
+    nothing = through_ssp(scenario_of(tmp_path, written | {"record": []}), tmp_path / "y.ssp")
+    assert nothing.record == ()
+
+
+def test_a_text_that_xml_cannot_carry_is_refused(tmp_path: Path) -> None:
+    word = {"causality": "parameter", "variability": "fixed"}
+    fmu = foreign_fmu(tmp_path, 3, scalar(3, "s", 1, "String", '<Start value="x"/>', **word))
+    part = {"fmu": str(fmu), "rate": 10, "parameters": {"s": "a\tb"}}
+    through_ssp(
+        scenario_of(tmp_path, {"duration": 1, "components": {"p": part}}), tmp_path / "x.ssp"
+    )
+    part["parameters"] = {"s": "a\ab"}
+    scenario = scenario_of(tmp_path, {"duration": 1, "components": {"p": part}})
+    with pytest.raises(InputError, match=r"p\.s cannot be exported: it has characters that XML"):
+        exported(scenario, tmp_path / "y.ssp")
+
+
 @pytest.mark.parametrize(
     ("part", "said"),
     [

@@ -162,6 +162,14 @@ def test_an_element_has_a_name_of_the_scenario(folder: Path, name: str, plain: s
     assemble(load(written)).close()
 
 
+def test_a_name_with_a_dot_is_not_taken_for_a_member(folder: Path) -> None:
+    parts = component("a") + component("a.b")
+    given = bindings(values("a.b.p|2|", "a.p|1|"))
+    document, notes = read(ssd(folder, f"{given}<Elements>{parts}</Elements>"))
+    assert notes == []
+    assert [each["parameters"]["p"] for each in document["components"].values()] == [1, 2]
+
+
 def run_of(file: Path, stop: str | None, *sets: str) -> tuple[tuple[float, float], str, list[str]]:
     """From when to when (s), under which name, and what is said."""
     said: list[str] = []

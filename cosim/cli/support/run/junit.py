@@ -6,15 +6,13 @@ those of the schema that Jenkins' xunit plugin publishes (junit-10.xsd).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 from xml.etree import ElementTree as ET
 
+from cosim.base.document.xml_text import xml_text
 from cosim.base.errors import CohapticError
-
-_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,18 +58,18 @@ def _suite(end: RunEnd) -> ET.Element:
     cases = [_run_case(end)]
     failed = errors = 0
     if end.status and end.message:
-        ET.SubElement(cases[0], "error", message=_clean(end.message))
+        ET.SubElement(cases[0], "error", message=xml_text(end.message))
         errors = 1
     elif content.get("runaways"):
-        ET.SubElement(cases[0], "failure", message=_clean("; ".join(content["runaways"])))
+        ET.SubElement(cases[0], "failure", message=xml_text("; ".join(content["runaways"])))
         failed = 1
     for verdict in content.get("expectations", []):
-        case = ET.Element("testcase", classname=_clean(end.name), name=_clean(_claim(verdict)))
+        case = ET.Element("testcase", classname=xml_text(end.name), name=xml_text(_claim(verdict)))
         if not verdict["passed"]:
-            ET.SubElement(case, "failure", message=_clean(f"measured {_measured(verdict)}"))
+            ET.SubElement(case, "failure", message=xml_text(f"measured {_measured(verdict)}"))
             failed += 1
         cases.append(case)
-    suite = ET.Element("testsuite", name=_clean(end.name), tests=str(len(cases)))
+    suite = ET.Element("testsuite", name=xml_text(end.name), tests=str(len(cases)))
     suite.set("failures", str(failed))
     suite.set("errors", str(errors))
     suite.set("time", f"{content.get('wall_time', 0.0):.3f}")
@@ -80,10 +78,10 @@ def _suite(end: RunEnd) -> ET.Element:
 
 
 def _run_case(end: RunEnd) -> ET.Element:
-    case = ET.Element("testcase", classname=_clean(end.name), name="runs to its end")
+    case = ET.Element("testcase", classname=xml_text(end.name), name="runs to its end")
     if end.content is not None:
         case.set("time", f"{end.content.get('wall_time', 0.0):.3f}")
-        ET.SubElement(case, "system-out").text = _clean(str(end.content["run"]))
+        ET.SubElement(case, "system-out").text = xml_text(str(end.content["run"]))
     return case
 
 
@@ -103,8 +101,3 @@ def _shown(value: Any, unit: str) -> str:
     numbers = cast("list[float]", value if isinstance(value, list) else [value])
     text = " to ".join(f"{number:g}" for number in numbers)
     return f"{text} {unit}".rstrip()
-
-
-def _clean(text: str) -> str:
-    """Without the characters that XML 1.0 (section 2.2) cannot hold."""
-    return _NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)
