@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.analysis.chance.chain import Chain
+from cosim.theory.chance.decay import surely_decays
 
 Real = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-14
 """Singular values below, of the largest one, are rounding."""
-LOOKED_AT, GIVEN_UP = 25, 400
-"""Periods between two looks at whether moments have decayed, and after how many it is left open."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +59,9 @@ class SecondMoments:
     def apply(self, vector: Real) -> Real:
         """One period further, flat."""
         moments = np.asarray(vector).reshape(self._modes, self._size, self._size)
+        return self._moved(moments).reshape(-1)
+
+    def _moved(self, moments: Real) -> Real:
         moved = np.zeros_like(moments)
         for move in self._moves:
             now = moments[move.source]
@@ -69,22 +71,11 @@ class SecondMoments:
                 inner = move.read.T @ now @ move.read
                 parts = move.varying.reshape(self._size, -1, rank) @ inner
                 moved[move.target] += parts.reshape(self._size, -1) @ move.varying.T
-        return moved.reshape(-1)
+        return moved
 
     def surely_decay(self) -> bool:
-        """Whether some periods take the unit matrix below itself, by which the radius is below 1.
-
-        The map is positive, and so is each of its powers, whose norm is what it makes of the unit
-        matrix (Russo and Dye 1966).
-        """
-        now = self.identity
-        for period in range(1, GIVEN_UP + 1):
-            now = self.apply(now)
-            if period % LOOKED_AT == 0:
-                each = now.reshape(self._modes, self._size, self._size)
-                if float(np.linalg.eigvalsh(0.5 * (each + each.transpose(0, 2, 1))).max()) < 1.0:
-                    return True
-        return False
+        """Whether few periods show that the radius is below 1; if not, it may be all the same."""
+        return surely_decays(self._moved, self._modes, self._size)
 
 
 def _move(source: int, target: int, which: Sequence[tuple[float, Real]]) -> _Move:

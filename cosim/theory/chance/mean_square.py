@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.base.errors import InputError
+from cosim.theory.chance.decay import surely_decays
 from cosim.theory.chance.packets import LinkProcess, Losses, Pattern, bernoulli, join
 from cosim.theory.models.assembly import assemble
 from cosim.theory.models.frame import FrameAssembly
@@ -51,28 +52,53 @@ class JumpSystem:
         Returns:
             Shape (modes, n, n).
         """
-        mixed = np.einsum("ij,iab->jab", self.pattern.transition, moments)
-        moved = np.einsum("eab,jbc,edc->ejad", self.maps, mixed, self.maps, optimize=True)
-        return np.einsum("je,ejad->jad", self.pattern.emission, moved)
+        return self._frame()(moments)
+
+    def _frame(self) -> Callable[[Real], Real]:
+        """That map, made once for many frames."""
+        transposed = np.ascontiguousarray(self.pattern.transition.T)
+        where, which = np.nonzero(self.pattern.emission)
+        maps = self.maps[which] * np.sqrt(self.pattern.emission[where, which])[:, None, None]
+        back = np.ascontiguousarray(maps.transpose(0, 2, 1))
+        first = np.flatnonzero(np.diff(where, prepend=-1))
+        is_one_each = first.size == where.size
+
+        def frame(moments: Real) -> Real:
+            modes, n = moments.shape[0], moments.shape[1]
+            mixed = (transposed @ moments.reshape(modes, n * n)).reshape(moments.shape)
+            if is_one_each:
+                return (maps @ mixed) @ back
+            # The outcomes of one mode lie together.
+            return np.add.reduceat((maps @ mixed[where]) @ back, first, axis=0)
+
+        return frame
 
     def mean_square_radius(self) -> float:
         """ρ of the second-moment map; mean-square stable below 1. Its root compares with ρ(M)."""
         modes, n = self.pattern.transition.shape[0], self.maps.shape[1]
-        lifts = np.array([symmetric_square(one) for one in self.maps])
-        by_mode = np.tensordot(self.pattern.emission, lifts, axes=1)
         size = n * (n + 1) // 2
-        transition = self.pattern.transition
         if modes * size <= DENSE_LIMIT:
-            blocks = np.einsum("ij,jab->jaib", transition, by_mode)
+            lifts = np.array([symmetric_square(one) for one in self.maps])
+            by_mode = np.tensordot(self.pattern.emission, lifts, axes=1)
+            blocks = np.einsum("ij,jab->jaib", self.pattern.transition, by_mode)
             return spectral_radius(blocks.reshape(modes * size, modes * size))
+        rows, columns = np.triu_indices(n)
+        frame = self._frame()
 
         def apply(vector: Real) -> Real:
-            mixed = transition.T @ np.asarray(vector).reshape(modes, size)
-            return np.einsum("jab,jb->ja", by_mode, mixed).ravel()
+            moments = np.empty((modes, n, n))
+            moments[:, rows, columns] = moments[:, columns, rows] = vector.reshape(modes, size)
+            return frame(moments)[:, rows, columns].ravel()
 
-        rows, columns = np.triu_indices(n)
         start = np.tile((rows == columns).astype(np.float64), modes)
         return largest_eigenvalue_of_map(apply, start)
+
+    def is_stable(self, edge: float = 1.0) -> bool:
+        """Whether ρ of the second-moment map is below ``edge``, just below 1."""
+        modes, n = self.pattern.transition.shape[0], self.maps.shape[1]
+        if modes * n * (n + 1) // 2 > DENSE_LIMIT and surely_decays(self._frame(), modes, n):
+            return True
+        return self.mean_square_radius() < edge
 
 
 def symmetric_square(matrix: Real) -> Real:
@@ -141,11 +167,39 @@ def mean_square_radius(
     Returns:
         ρ of the second-moment map, per frame.
     """
+    system = _system(model, timing, process, losses)
+    return system.mean_square_radius() if isinstance(system, JumpSystem) else system
+
+
+def is_mean_square_stable(
+    model: Model,
+    timing: Timing,
+    process: Callable[[int], LinkProcess],
+    losses: Losses = "independent",
+    edge: float = 1.0,
+) -> bool:
+    """Whether that radius is below ``edge``, just below 1: where it is, often without computing it.
+
+    Args:
+        model: the loop.
+        timing: rates and delays; a whole ratio.
+        process: from a link's fixed delay to its behaviour.
+        losses: whether links lose packets independently or together.
+        edge: of stability.
+    """
+    system = _system(model, timing, process, losses)
+    return system.is_stable(edge) if isinstance(system, JumpSystem) else system < edge
+
+
+def _system(
+    model: Model, timing: Timing, process: Callable[[int], LinkProcess], losses: Losses
+) -> JumpSystem | float:
+    """The loop between whose maps its links choose; without links, its radius squared."""
     assembly = assemble(model, timing)
     if not assembly.links:
         return spectral_radius(without_translation_of(assembly, model)) ** 2
     pattern = join([process(link.delay) for link in assembly.links], losses)
-    return jump_system(assembly, pattern, grounded=model.grounded).mean_square_radius()
+    return jump_system(assembly, pattern, grounded=model.grounded)
 
 
 def without_translation_of(assembly: FrameAssembly, model: Model) -> Real:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from cosim.theory.chance.mean_square import mean_square_radius
+from cosim.theory.chance.mean_square import is_mean_square_stable, mean_square_radius
 from cosim.theory.chance.network import Network
 from cosim.theory.chance.packets import LinkProcess
 from cosim.theory.models.mass_spring_damper import Model
@@ -123,3 +123,17 @@ def radius_in(
     if corner.loses:
         return mean_square_radius(model, clock, lambda _: process) ** 0.5
     return stability(model, clock).spectral_radius
+
+
+def stands(
+    corner: Corner,
+    parameters: Parameters,
+    timing: Timing,
+    process: LinkProcess,
+    compensation: float,
+) -> bool:
+    """Whether the loop is stable in a corner."""
+    if not corner.loses:
+        return radius_in(corner, parameters, timing, process, compensation) < EDGE
+    model, clock = corner.model(parameters, compensation), corner.timing(timing)
+    return is_mean_square_stable(model, clock, lambda _: process, edge=EDGE**2)

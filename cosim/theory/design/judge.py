@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cosim.theory.chance.network import Network
-from cosim.theory.design.corners import EDGE, Corner, radius_in
+from cosim.theory.design.corners import Corner, radius_in, stands
 from cosim.theory.models.parameters import Parameters
 from cosim.theory.models.timing import Timing
 
@@ -49,7 +49,8 @@ class CornerJudge:
     def _stands(self, corners: list[Corner], gains: Mapping[str, float], b_c: float) -> bool:
         first = [c for c in self.asked if c in corners]
         for corner in (*first, *(c for c in corners if c not in first)):
-            if self.radius(corner, gains, b_c) >= EDGE:
+            loop = self.parameters.replaced(gains)
+            if not stands(corner, loop, self.timing, self.process, b_c):
                 if corner.loses:
                     return False
                 self.asked = [corner, *(c for c in self.asked if c != corner)][:4]
