@@ -137,7 +137,8 @@ def run_command(
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def table_command(*, plan: Path, out: Path | None, file: Path | None, as_json: bool) -> None:
     """Write a row for each trial of everybody, and say the thresholds."""
-    from cosim.study.table import columns_of, rows_of, thresholds
+    from cosim.report.measures import SCENARIO_MEASURES
+    from cosim.study.table import columns_of, rows_of, thresholds, units_of
     from cosim.sweep.results.table import write_columns
 
     study, folder = _opened(plan, out)
@@ -145,7 +146,8 @@ def table_command(*, plan: Path, out: Path | None, file: Path | None, as_json: b
     if not rows:
         raise InputError(f"{folder.path}: no trial is done yet.")
     file = folder.path / "trials.csv" if file is None else file
-    write_columns(columns_of(rows), {}, file)
+    measures = {name: measure.unit for name, measure in SCENARIO_MEASURES.items()}
+    write_columns(columns_of(rows), units_of(study, measures), file)
     found = thresholds(study, folder)
     left_out = sum(bool(row["excluded"]) for row in rows)
     kinds = {row["emulated"] for row in rows}

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 MOST = 1_000_000
+_MINUTE = 60.0
 _PLAIN = ("seeds", "sample", "points", "sample_seed", "start", "check_every")
 """Options that take the place of what a plan says."""
 COUNT, SEED = click.IntRange(1, MOST), click.IntRange(0, 2**31)
@@ -204,9 +205,9 @@ def _measured(known: Any, texts: tuple[str, ...]) -> dict[str, Any]:
 
 @contextmanager
 def _progress(name: str) -> Generator[Follow | None]:
-    """On a terminal's stderr a bar with the runs, the failures and the time left."""
+    """On stderr the runs, the failures and the time left: a bar, or now and then a line."""
     if not sys.stderr.isatty():
-        yield None
+        yield lines_of(name)
         return
     from cosim.cli.support.terminal.bar import progress_bar
 
@@ -219,11 +220,27 @@ def _progress(name: str) -> Generator[Follow | None]:
             if step.seconds - shown < 0.1 and step.done < step.total:
                 return
             shown = step.seconds
-            left = "" if step.left is None else f" · {_span(step.left)} left"
-            note = f"{step.done} of {step.total} · {step.failed} not good{left}"
-            bar.update(task, total=step.total, completed=step.done, note=note, refresh=True)
+            bar.update(task, total=step.total, completed=step.done, note=_note(step), refresh=True)
 
         yield show
+
+
+def lines_of(name: str) -> Follow:
+    """What says in a log, where there is no terminal, how far a sweep is: once a minute."""
+    shown = 0.0
+
+    def show(step: Step) -> None:
+        nonlocal shown
+        if step.seconds - shown >= _MINUTE:
+            shown = step.seconds
+            click.echo(f"{name}: {_note(step)}", err=True)
+
+    return show
+
+
+def _note(step: Step) -> str:
+    left = "" if step.left is None else f" · {_span(step.left)} left"
+    return f"{step.done} of {step.total} · {step.failed} not good{left}"
 
 
 def _span(seconds: float) -> str:

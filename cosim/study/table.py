@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from cosim.study.folder import StudyFolder
@@ -26,6 +27,15 @@ def columns_of(rows: list[Row]) -> dict[str, list[Any]]:
     """The same by column; ``None`` where a row has nothing."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     return {name: [row.get(name) for row in rows] for name in names}
+
+
+def units_of(plan: StudyPlan, measures: Mapping[str, str]) -> dict[str, str]:
+    """The units of columns that have one; ``measures`` are those of the runs' measures."""
+    units = dict.fromkeys(("shown_seconds", "answered_seconds"), "s")
+    units |= {name: unit for name, unit in measures.items() if unit}
+    if plan.form.staircase is not None and plan.form.staircase.unit:
+        units["value"] = plan.form.staircase.unit
+    return units
 
 
 def thresholds(plan: StudyPlan, folder: StudyFolder) -> dict[str, dict[str, Threshold]]:

@@ -35,7 +35,7 @@ class Workers(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """How far a sweep is."""
+    """How far a sweep is; points that are alike are one run."""
 
     done: int
     """Runs that there is a result of."""
@@ -43,15 +43,11 @@ class Step:
     failed: int
     seconds: float
     """Since the first run of this time."""
-    ran: int
-    """Runs since then."""
+    left: float | None
+    """Time to the end at the pace so far (s); ``None`` before there is one.
 
-    @property
-    def left(self) -> float | None:
-        """Time to the end at the pace so far (s); ``None`` before there is one."""
-        if self.ran == 0:
-            return None
-        return self.seconds / self.ran * (self.total - self.done)
+    The pace is that of simulated time, where the points differ in it, and of this time alone.
+    """
 
 
 Follow = Callable[[Step], None]
@@ -131,12 +127,14 @@ def run_sweep(
     follow: Follow | None = None,
     timeout: float | None = None,
     theory: bool | None = None,
+    clock: Callable[[], float] = time.monotonic,
 ) -> SweepOutcome:
     """Run what is not known yet.
 
     ``workers`` is the number of processes; 0 runs in this one, without protection from crashes.
     ``pool`` takes their place. ``timeout`` (s) is the longest that one run may take. ``theory``:
     whether the theory is asked; without a word it is where growth is judged or a boundary sought.
+    ``clock`` (s) is what ``follow`` is told the time by.
 
     Raises:
         InputError: the scenario, an expectation or the folder cannot be used.
@@ -161,7 +159,7 @@ def run_sweep(
     with ResultStore(place) as store:
         store.describe(_description(plan, contents.structure))
         keys = [contents.key(point) for point in plan.points]
-        runs = _Runs(plan, keys, store, follow)
+        runs = _Runs(plan, keys, store, follow, clock)
         with pool or _local(plan, len(runs.missing(range(len(keys)))), workers, timeout) as used:
             verdicts = None
             if plan.boundary:
@@ -182,14 +180,21 @@ class _Runs:
     """The points of a sweep by number, and what is known of them."""
 
     def __init__(
-        self, plan: SweepPlan, keys: Sequence[str], store: ResultStore, follow: Follow | None
+        self,
+        plan: SweepPlan,
+        keys: Sequence[str],
+        store: ResultStore,
+        follow: Follow | None,
+        clock: Callable[[], float],
     ) -> None:
         self._plan, self._keys, self._store = plan, keys, store
-        self._follow = follow
+        self._before = frozenset(store.known)
+        self._follow, self._clock = follow, clock
         self._began: float | None = None
-        self._ran = 0
         self._asked: set[int] = set()
-        self._done = self._failed = 0
+        self._total = self._done = self._failed = 0
+        self._ran = self._left = 0.0
+        """Simulated time (s; or runs, where all are alike) run this time, and to be run."""
         self.reused = 0
 
     def missing(self, numbers: Iterable[int]) -> list[int]:
@@ -203,18 +208,20 @@ class _Runs:
     def all(self, workers: Workers, numbers: Sequence[int]) -> None:
         """Have results of all these points."""
         missing = self.missing(numbers)
-        fresh = [number for number in numbers if number not in self._asked]
-        self.reused += len(fresh) - len(missing)
         self._asked.update(numbers)
-        self._began = self._began or time.monotonic()
-        known = [n for n in self._asked if self._is_known(n)]
-        self._done = len(known)
-        self._failed = sum(not self._result(n).is_good for n in known)
+        self.reused = sum(self._keys[number] in self._before for number in self._asked)
+        self._began = self._clock() if self._began is None else self._began
+        keys = {self._keys[number] for number in self._asked}
+        known = [self._store.known[key] for key in keys if key in self._store.known]
+        self._total, self._done = len(keys), len(known)
+        self._failed = sum(not result.is_good for result in known)
+        self._left = sum(map(self._plan.cost, missing))
         self._tell()
         tasks = (Task(n, self._plan.points[n], self._keys[n]) for n in missing)
         for result in workers.run(tasks):
             self._store.add(result)
-            self._ran += 1
+            cost = self._plan.cost(result.number)
+            self._ran, self._left = self._ran + cost, self._left - cost
             self._done += 1
             self._failed += not result.is_good
             self._tell()
@@ -249,8 +256,9 @@ class _Runs:
 
     def _tell(self) -> None:
         if self._follow is not None and self._began is not None:
-            seconds = time.monotonic() - self._began
-            self._follow(Step(self._done, len(self._asked), self._failed, seconds, self._ran))
+            seconds = self._clock() - self._began
+            left = seconds / self._ran * self._left if self._ran else None
+            self._follow(Step(self._done, self._total, self._failed, seconds, left))
 
 
 class _Here:

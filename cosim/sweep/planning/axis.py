@@ -78,8 +78,13 @@ class SweepAxis:
     @property
     def unit(self) -> str:
         """The unit that its values are written in; empty for plain numbers and words."""
-        units = {unit_of(value) for value in self.values}
-        return units.pop() if len(units) == 1 else ""
+        units = [unit for value in self.values if (unit := unit_of(value))]
+        return "" if self.has_words or not units else units[0]
+
+    @property
+    def has_words(self) -> bool:
+        """Whether a value is no number: then all stand as they are written."""
+        return any(map(is_word, self.values))
 
     @property
     def is_log(self) -> bool:
@@ -150,6 +155,18 @@ def range_of(
     if not 1 <= points <= MOST:
         raise InputError(f"{name}: {points} points; there may be 1 to {MOST}.")
     return Range(first, last, unit, is_log, whole, points)
+
+
+def check_units(name: str, values: Sequence[Value]) -> None:
+    """Numbers of one variable are in one unit, for a table and a figure have one of it.
+
+    Raises:
+        InputError: they are in several; a zero needs none.
+    """
+    units = {unit_of(v) for v in values if not is_word(v) and number_of(v) != 0}
+    if len(units) > 1:
+        known = " and ".join(sorted(unit or "no unit" for unit in units))
+        raise InputError(f"{name}: write all values in one unit, not {known}.")
 
 
 def number_of(value: Value) -> float | None:

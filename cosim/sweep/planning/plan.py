@@ -11,19 +11,27 @@ from cosim.base.document.form import plain_node, read_form
 from cosim.base.document.show import show
 from cosim.base.document.yaml_reader import read_yaml
 from cosim.base.errors import InputError, Location
+from cosim.base.quantities.quantity import QuantityError, quantity
 from cosim.base.suggest import did_you_mean
+from cosim.report.measures import SCENARIO_MEASURES
 from cosim.report.window import MEASURES
 from cosim.scenario.form.sections import Forms
 from cosim.scenario.load import Written, read
 from cosim.scenario.source.find import find_file
 from cosim.scenario.source.merge import merge, normalise
 from cosim.sweep.job import Job
-from cosim.sweep.planning.axis import SweepAxis, Value, parse_values
+from cosim.sweep.planning.axis import SweepAxis, Value, check_units, parse_values
 from cosim.sweep.planning.design import Point, Sampling, points_of
 from cosim.sweep.planning.form import AxisForm, PlanForm
 from cosim.sweep.planning.places import expand
 
 SEED = "seed"
+OF_A_RUN = (
+    *("number", "status", "message", "ticks", "seconds", "checked"),
+    "spectral_radius",
+)
+"""Columns of the table that no variable may be called as."""
+_DURATION = "duration"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +54,16 @@ class SweepPlan:
     def axes(self) -> tuple[SweepAxis, ...]:
         """What is varied."""
         return self.job.axes
+
+    def cost(self, number: int) -> float:
+        """What a run costs beside others: its simulated time (s) where that varies, else 1."""
+        for axis, value in zip(self.axes, self.points[number], strict=True):
+            if _DURATION in axis.places:
+                try:
+                    return float(quantity(value, "s"))
+                except QuantityError:  # it is refused, which takes no time
+                    return 0.0
+        return 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,6 +191,7 @@ def _axis(written: Written, name: str, given: Any) -> SweepAxis:
         )
     if not values:
         raise InputError(f"{name} has no values.")
+    check_units(name, values)
     return SweepAxis(name, tuple(dict.fromkeys(found)), values, span)
 
 
@@ -197,6 +216,10 @@ def _sampling(name: str) -> Sampling:
 def _refuse_twice(axes: Sequence[SweepAxis]) -> None:
     users: dict[str, str] = {}
     for axis in axes:
+        if axis.name in OF_A_RUN or axis.name in SCENARIO_MEASURES:
+            raise InputError(
+                f"{axis.name} is a column of every sweep's table; give the variable another name."
+            )
         for place in axis.places:
             other = users.setdefault(place, axis.name)
             if other != axis.name:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from cosim.base.errors import InputError
 from cosim.sweep.results.table import columns_of, failures_text, units_of
 
 if TYPE_CHECKING:
+    from cosim.sweep.job import RunResult
     from cosim.sweep.sweep import SweepOutcome
 
 FAILURES = 5
@@ -34,7 +36,7 @@ def to_xarray(outcome: SweepOutcome) -> Any:
     xarray = _needed("xarray")
     axes = outcome.plan.axes
     shape = tuple(len(axis.values) for axis in axes)
-    places = [{value: index for index, value in enumerate(axis.values)} for axis in axes]
+    places = [_place(outcome, result, shape) for result in outcome.results]
     columns = columns_of(outcome)
     names = [axis.name for axis in axes]
     found: dict[str, Any] = {}
@@ -42,15 +44,25 @@ def to_xarray(outcome: SweepOutcome) -> Any:
         if name in {*names, "number", "message", "status"}:
             continue
         array = np.full(shape, np.nan)
-        for result, value in zip(outcome.results, values, strict=True):
-            try:
-                place = tuple(of[v] for of, v in zip(places, result.point, strict=True))
-            except KeyError:
-                raise InputError("the points are a sample: take to_dataframe().") from None
+        for place, value in zip(places, values, strict=True):
             array[place] = np.nan if value is None else float(value)
         found[name] = (names, array)
     coords = {axis.name: (axis.name, [_plain(v) for v in axis.values]) for axis in axes}
     return xarray.Dataset(found, coords=coords, attrs={"folder": str(outcome.folder)})
+
+
+def _place(outcome: SweepOutcome, result: RunResult, shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Where a point of a grid lies.
+
+    Raises:
+        InputError: it is one of a sample.
+    """
+    axes = outcome.plan.axes
+    if result.number < math.prod(shape):
+        place = tuple(int(index) for index in np.unravel_index(result.number, shape))
+        if all(axis.values[at] == v for axis, at, v in zip(axes, place, result.point, strict=True)):
+            return place
+    raise InputError("the points are a sample: take to_dataframe().")
 
 
 def outline(outcome: SweepOutcome) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from cosim.base.errors import InputError
 from cosim.base.system.writing import writing
+from cosim.report.measures import SCENARIO_MEASURES
 from cosim.sweep.job import RunResult
 from cosim.sweep.planning.axis import number_of
 from cosim.sweep.sweep import SweepOutcome
@@ -23,7 +24,8 @@ def columns_of(outcome: SweepOutcome) -> Columns:
     results = outcome.results
     found: Columns = {"number": [result.number for result in results]}
     for place, axis in enumerate(outcome.plan.axes):
-        found[axis.name] = [_plain(result.point[place]) for result in results]
+        values = [result.point[place] for result in results]
+        found[axis.name] = values if axis.has_words else list(map(_plain, values))
     found["status"] = [result.status for result in results]
     for name in _names([result.measures for result in results]):
         found[name] = [result.measures.get(name) for result in results]
@@ -37,8 +39,10 @@ def columns_of(outcome: SweepOutcome) -> Columns:
 
 
 def units_of(outcome: SweepOutcome) -> dict[str, str]:
-    """The units in which the plan writes its variables."""
-    return {axis.name: axis.unit for axis in outcome.plan.axes if axis.unit}
+    """The units in which the plan writes its variables, and those of measures and of times."""
+    units = {name: each.unit for name, each in SCENARIO_MEASURES.items() if each.unit}
+    units |= {"seconds": "s"}
+    return units | {axis.name: axis.unit for axis in outcome.plan.axes if axis.unit}
 
 
 def write_table(outcome: SweepOutcome, file: Path) -> None:
@@ -110,9 +114,16 @@ def _write_parquet(columns: Columns, units: Mapping[str, str], file: Path) -> No
 
 
 def _one_type(values: list[Any]) -> list[Any]:
-    """A column of one type: words where there is one."""
-    has_words = any(isinstance(value, str) for value in values)
-    return [None if v is None else str(v) for v in values] if has_words else values
+    """A column of one type: words where there is one, or where true stands beside a number."""
+    there = [value for value in values if value is not None]
+    truths = sum(isinstance(value, bool) for value in there)
+    if truths in {0, len(there)} and not any(isinstance(value, str) for value in there):
+        return values
+    return [None if v is None else _word(v) for v in values]
+
+
+def _word(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def failures_text(results: Sequence[RunResult], axes: Sequence[str], most: int = 10) -> list[str]:
