@@ -152,6 +152,8 @@ def range_of(
         whole = whole and size.denominator == 1
     else:
         whole = False
+    if points == 1 and first != last:
+        raise InputError(f"{name}: one point is not both ends, {low} and {high}; write the value.")
     if not 1 <= points <= MOST:
         raise InputError(f"{name}: {points} points; there may be 1 to {MOST}.")
     return Range(first, last, unit, is_log, whole, points)

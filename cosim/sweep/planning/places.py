@@ -12,8 +12,10 @@ from fnmatch import fnmatchcase
 from cosim.base.document.node import Node
 from cosim.base.errors import InputError
 from cosim.base.suggest import did_you_mean
+from cosim.scenario.form.channel import ChannelForm
 from cosim.scenario.form.document import ComponentForm, Document
 from cosim.scenario.form.fields import is_name
+from cosim.scenario.impairments.registry import impairments
 from cosim.scenario.source.override import copies_of
 
 
@@ -35,7 +37,10 @@ def expand(root: Node, text: str) -> tuple[str, ...]:
         return _in_section(root, first, rest) if first in {"components", "channels"} else (text,)
     components, channels = _names(root, "components"), _names(root, "channels")
     found = _member("components", components, first, rest)
-    found += _member("channels", channels, first, rest)
+    if first in channels or _is_of_channels(rest):
+        found += _member("channels", channels, first, rest)
+    if not found and not is_name(first) and not _fitting([*components, *channels], first):
+        raise InputError(f"'{text}' is no place: nothing in the scenario fits '{first}'.")
     if not found:
         known = [*components, *channels, *Document.model_fields]
         raise InputError(
@@ -53,6 +58,11 @@ def _in_section(root: Node, section: str, rest: str) -> tuple[str, ...]:
     if not found:
         raise InputError(f"no {section.removesuffix('s')} fits '{name}'.")
     return tuple(found)
+
+
+def _is_of_channels(rest: str) -> bool:
+    """Whether a channel can have this key: a pattern is for those alone that can."""
+    return rest.partition(".")[0] in ChannelForm.model_fields.keys() | impairments().keys()
 
 
 def _member(section: str, names: list[str], first: str, rest: str) -> list[str]:
