@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import Any
 
-from cosim.base.errors import InputError
+from cosim.base.errors import InputError, RunError
+from cosim.base.system.writing import writing
 from cosim.sweep.job import RunResult
 
 RESULTS_FILE = "results.jsonl"
@@ -33,43 +35,61 @@ class ResultStore:
         """
         self.folder = folder
         self.known: dict[str, RunResult] = {}
-        self._file: IO[str] | None = None
+        self._file: int | None = None
+        self._held: int | None = None
         try:
-            if folder.exists() and not folder.is_dir():
-                raise InputError(f"{folder} is a file, not a folder.")
-            if (
-                folder.is_dir()
-                and any(folder.iterdir())
-                and not (folder / DESCRIPTION_FILE).exists()
-            ):
-                raise InputError(
-                    f"{folder} is not empty and holds no sweep; name a new folder with --out."
-                )
+            _refuse_others(folder)
             folder.mkdir(parents=True, exist_ok=True)
+            self._hold()
             self._read()
         except OSError as error:
+            self.close()
             raise InputError(f"{folder} cannot be used: {error.strerror}.") from None
+        except InputError:
+            self.close()
+            raise
 
     def describe(self, content: dict[str, Any]) -> None:
-        """Write what the sweep is (``sweep.json``), whole or not at all."""
+        """Write what the sweep is (``sweep.json``), whole or not at all.
+
+        Raises:
+            InputError: it cannot be written.
+        """
         file = self.folder / DESCRIPTION_FILE
         scratch = file.with_name(f"{file.name}.{os.getpid()}")
-        scratch.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-        scratch.replace(file)
+        with writing(file):
+            try:
+                scratch.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+                scratch.replace(file)
+            finally:
+                scratch.unlink(missing_ok=True)
 
     def add(self, result: RunResult) -> None:
-        """Keep one result."""
+        """Keep one result.
+
+        Raises:
+            RunError: it cannot be written.
+        """
+        file = self.folder / RESULTS_FILE
+        line = json.dumps(result.as_dict()).encode() + b"\n"
+        try:
+            if self._file is None:
+                self._file = os.open(file, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+            while line:
+                line = line[os.write(self._file, line) :]
+        except OSError as error:
+            raise RunError(
+                f"{file} cannot be written: {error.strerror}. What came before is kept; the same "
+                "command with this --out goes on."
+            ) from None
         self.known[result.key] = result
-        if self._file is None:
-            self._file = (self.folder / RESULTS_FILE).open("a", encoding="utf-8")
-        self._file.write(json.dumps(result.as_dict()) + "\n")
-        self._file.flush()
 
     def close(self) -> None:
-        """Close the file."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        """Close the file, and let others have the folder."""
+        for descriptor in (self._file, self._held):
+            if descriptor is not None:
+                os.close(descriptor)
+        self._file = self._held = None
 
     def __enter__(self) -> ResultStore:
         return self
@@ -81,6 +101,25 @@ class ResultStore:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _hold(self) -> None:
+        """Have the folder alone, where the system knows how.
+
+        Raises:
+            InputError: another sweep has it.
+        """
+        if sys.platform == "win32":
+            return
+        import fcntl
+
+        self._held = os.open(self.folder, os.O_RDONLY)
+        try:
+            fcntl.flock(self._held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(
+                f"another sweep is at work in {self.folder}; wait for it, or name a new folder "
+                "with --out."
+            ) from None
 
     def _read(self) -> None:
         file = self.folder / RESULTS_FILE
@@ -95,6 +134,18 @@ class ResultStore:
             result = _result(line, f"{file}:{number}")
             if result.status not in AGAIN:
                 self.known[result.key] = result
+
+
+def _refuse_others(folder: Path) -> None:
+    """Refuse a folder of something else.
+
+    Raises:
+        InputError: it is one, or no folder.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file, not a folder.")
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / DESCRIPTION_FILE).exists():
+        raise InputError(f"{folder} is not empty and holds no sweep; name a new folder with --out.")
 
 
 def _result(line: bytes, place: str) -> RunResult:

@@ -82,7 +82,7 @@ def test_points_that_simulate_longer_are_counted_as_longer(tmp_path: Path) -> No
 
 
 def test_units_of_the_duration_do_not_matter(tmp_path: Path) -> None:
-    told = steps_of(planned(["10 ms", "1 s"]), Turned([0.01, 1.0]), tmp_path / "out")
+    told = steps_of(planned(["10 ms", "1000 ms"]), Turned([0.01, 1.0]), tmp_path / "out")
     assert told[1][1].left == pytest.approx(1.0)
 
 
