@@ -53,6 +53,8 @@ class RunComparison:
     """Base ticks of each."""
     signals: list[SignalDifference]
     """The first to differ first."""
+    compared: int
+    """Signals and texts compared by value: of one name, unit and type, at the same times."""
 
     @property
     def are_equal(self) -> bool:
@@ -63,18 +65,21 @@ class RunComparison:
 
 
 def compare_runs(one: Run, other: Run) -> RunComparison:
-    """Compare two open runs; signals as far as both go, row by row where their periods are one."""
+    """Compare two open runs; signals as far as both go, row by row.
+
+    Only what is of one unit and type, and whose rows are of the same times, is compared by value.
+    """
     names = [_names(run) for run in (one, other)]
     pairs = [
         (group, other.groups[name]) for name, group in one.groups.items() if name in other.groups
     ]
+    recorded = changes(_times(one), _times(other))
+    alike = [pair for pair in pairs if not recorded and pair[0].period == pair[1].period]
     signals = [
         found
-        for mine, theirs in pairs
-        if mine.period == theirs.period
+        for mine, theirs in alike
         for found in (*_differences(mine, theirs), *_text_differences(mine, theirs))
     ]
-    recorded = changes(_times(one), _times(other))
     for mine, theirs in pairs:
         recorded += _kept_otherwise(mine, theirs, rows_count=one.ticks == other.ticks)
     return RunComparison(
@@ -85,6 +90,7 @@ def compare_runs(one: Run, other: Run) -> RunComparison:
         only_in=(sorted(names[0] - names[1]), sorted(names[1] - names[0])),
         lengths=(one.ticks, other.ticks),
         signals=sorted(signals, key=lambda each: (each.tick, each.name)),
+        compared=sum(len(_signals(*pair)) + len(_texts(*pair)) for pair in alike),
     )
 
 
@@ -147,11 +153,28 @@ def _text_kind(text: RecordedText) -> str:
     return "Binary" if text.column.is_binary else "String"
 
 
+def _signals(
+    one: SignalGroup, other: SignalGroup
+) -> dict[str, tuple[RecordedSignal, RecordedSignal]]:
+    """Those of one name, unit and type: of others the numbers say nothing beside one another."""
+    return {
+        name: (mine, theirs)
+        for name, mine in one.signals.items()
+        if (theirs := other.signals.get(name)) is not None
+        and (_kind(mine), mine.unit or None) == (_kind(theirs), theirs.unit or None)
+    }
+
+
+def _texts(one: SignalGroup, other: SignalGroup) -> dict[str, tuple[RecordedText, RecordedText]]:
+    return {
+        name: (mine, theirs)
+        for name, mine in one.texts.items()
+        if (theirs := other.texts.get(name)) is not None and _text_kind(mine) == _text_kind(theirs)
+    }
+
+
 def _differences(one: SignalGroup, other: SignalGroup) -> Iterator[SignalDifference]:
-    for name, mine in one.signals.items():
-        theirs = other.signals.get(name)
-        if theirs is None or mine.is_float != theirs.is_float:
-            continue
+    for name, (mine, theirs) in _signals(one, other).items():
         tick, rows, largest = -1, 0, 0.0
         for first, last in one.pieces(0, min(one.rows, other.rows)):
             differs = mine.cells(first, last) != theirs.cells(first, last)
@@ -172,10 +195,7 @@ def _differences(one: SignalGroup, other: SignalGroup) -> Iterator[SignalDiffere
 def _text_differences(one: SignalGroup, other: SignalGroup) -> Iterator[SignalDifference]:
     """Texts differ from row to row; by how much, no number says."""
     end = min(one.rows, other.rows) * one.period
-    for name, mine in one.texts.items():
-        theirs = other.texts.get(name)
-        if theirs is None or mine.column.is_binary != theirs.column.is_binary:
-            continue
+    for name, (mine, theirs) in _texts(one, other).items():
         ticks = sorted({tick for text in (mine, theirs) for tick, _ in text.changes if tick < end})
         apart = [
             (tick, until)

@@ -97,6 +97,8 @@ def _lines(found: RunComparison, runs: list[Run]) -> list[str]:
         ]
         if len(found.signals) > SHOWN:
             lines.append(f"  and {len(found.signals) - SHOWN} more")
+    elif not found.compared:
+        lines.append("no value is compared: nothing was recorded alike, at the same times, in both")
     else:
         alike = "of what was recorded alike, " if found.recorded else ""
         length = min(found.lengths)

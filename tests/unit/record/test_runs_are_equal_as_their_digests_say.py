@@ -154,6 +154,33 @@ def test_both_say_the_same(name: str, tmp_path: Path) -> None:
         assert words in text
 
 
+@pytest.mark.parametrize("name", ["the base rate", "the start", "a group's rate", "a unit"])
+def test_what_was_recorded_otherwise_is_not_compared_by_value(name: str, tmp_path: Path) -> None:
+    """Tick 8 of one is another time in the other; 1 N is not less than 1 kN by 0."""
+    first = np.int64(1)
+    cells = (SAME.cells[0] ^ first, SAME.cells[1])
+    other = replace(CASES[name][0], cells=cells)
+    mine, theirs = SAME.put(tmp_path / "one"), other.put(tmp_path / "other")
+    with open_run(mine) as one, open_run(theirs) as two:
+        found = compare_runs(one, two)
+    assert "vr_a.force" not in [each.name for each in found.signals]
+    shown = CliRunner().invoke(compare.command, [str(mine), str(theirs)])
+    assert shown.exit_code == 1
+    assert "vr_a.force  since" not in shown.stdout
+    if name in {"the base rate", "the start"}:
+        assert found.signals == []
+        assert "no value is compared" in shown.stdout
+        assert "no value differs" not in shown.stdout
+
+
+def test_runs_of_different_things_have_nothing_to_compare(tmp_path: Path) -> None:
+    other = replace(SAME, fast=replace(FAST, name="f"), slow=replace(SLOW, name="s"), word=None)
+    mine, theirs = replace(SAME, word=None).put(tmp_path / "one"), other.put(tmp_path / "other")
+    shown = CliRunner().invoke(compare.command, [str(mine), str(theirs)])
+    assert "no value is compared" in shown.stdout
+    assert shown.exit_code == 1
+
+
 def test_the_first_difference_has_its_time_from_zero(tmp_path: Path) -> None:
     late = replace(SAME, start_tick=1024)
     mine = late.put(tmp_path / "one")
