@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from itertools import product
 from typing import Any
 
 from cosim.base.errors import InputError
-from cosim.sweep.planning.axis import SweepAxis, Value
+from cosim.sweep.planning.axis import MOST, SweepAxis, Value
 
 Point = tuple[Value, ...]
 """A value of each axis, in their order."""
@@ -32,8 +33,12 @@ def points_of(
     over the ranges; an axis that is a list is part of every point.
 
     Raises:
-        InputError: a number of points where there is a grid, or none where there is not.
+        InputError: a number of points where there is a grid, or none where there is not; too many.
     """
+    lists = (len(each.values) for each in axes if each.span is None or sample is Sampling.GRID)
+    whole = math.prod(lists) * (1 if sample is Sampling.GRID else count or 0)
+    if whole > MOST:
+        raise InputError(f"these are {whole} points; a sweep has at most {MOST}.")
     if sample is Sampling.GRID:
         if count is not None:
             raise InputError("a grid has the points of its axes; leave 'points' out.")

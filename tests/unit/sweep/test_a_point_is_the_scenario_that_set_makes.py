@@ -110,6 +110,11 @@ def test_an_anchor_stands_for_its_aliases() -> None:
         ({"vary": {"lan.loss": [None]}}, "is no value"),
         ({"vary": {"lan.loss": []}}, "has no values"),
         ({"vary": {"lan.loss": "0..1/1"}}, "one point is not both ends"),
+        ({"vary": {"lan.loss": "0..1/1001", "hand.mass": "1..2/1000"}}, "1001000 points; a sweep"),
+        (
+            {"vary": {"lan.loss": "0..1/2"}, "sample": "sobol", "points": 2**30},
+            "1073741824 points; a sweep has at most 1000000",
+        ),
         ({"vary": {"hand.mass": "1 kg, 200 g"}}, "in one unit, not g and kg"),
         ({"vary": {"z*.mass": [1]}}, "nothing in the scenario fits"),
         ({"vary": {"l*.mass": [1]}}, "is no place in the scenario"),
