@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -54,14 +55,17 @@ def split_quantity(text: str) -> tuple[Fraction, str | None]:
 
 
 def decimal(text: str) -> Fraction:
-    """A number of somebody else's file, exactly; one whose powers of ten fill no memory.
+    """A number of somebody else's file, exactly; one that a double can be, or nearly 0.
 
     Raises:
         QuantityError: it is none.
     """
     if not _PLAIN.fullmatch(text):
         raise QuantityError(f"'{text[:40]}' is not a number.{odd_characters(text[:40])}")
-    return Fraction(text)
+    found = Fraction(text)
+    if abs(found) > sys.float_info.max:
+        raise QuantityError(f"'{text[:40]}' is beyond every number that is computed with.")
+    return found
 
 
 def exact(number: float) -> Fraction:

@@ -17,6 +17,7 @@ from cosim.base.quantities.quantity import decimal
 from cosim.scenario.build.timebase import hertz
 
 MOST_CLOCKS = 62
+_MOST_STEPS = 1 << 53
 """Of one FMU: a bit each in one of the kernel's words."""
 _VARIABILITIES = ("constant", "fixed", "tunable", "changing", "countdown", "triggered")
 _PERIODIC = ("constant", "fixed", "tunable")
@@ -201,6 +202,11 @@ def check_grid(clock: ClockFacts, step: Fraction) -> None:
             continue
         if time < 0 or (what == "an interval" and time == 0):
             raise InputError(f"the clock {clock.name} has {what} of {float(time):g} s")
+        if time / step > _MOST_STEPS:
+            raise InputError(
+                f"the clock {clock.name} has {what} of {float(time):g} s, longer than any run; "
+                "'event_mode: false' leaves its clocks out"
+            )
         if (time / step).denominator != 1:
             raise InputError(
                 f"the clock {clock.name} has {what} of {float(time):g} s, which is no whole number "

@@ -14,7 +14,9 @@ import pytest
 
 from cosim.base.errors import InputError
 from cosim.master.fmu.reading import read_description
+from cosim.master.run.simulation import assemble
 from tests.support.fmus.foreign import foreign_fmu, scalar
+from tests.support.master.master_support import scenario_of
 
 Y = scalar(3, "y", 1, causality="output", start="3", initial="exact")
 STRUCTURE = '<Output valueReference="1" dependencies=""/>'
@@ -168,6 +170,18 @@ def test_a_unit_that_nothing_converts_to_is_refused(tmp_path: Path, wrong: str) 
         read_description(broken)
 
 
+def test_a_clock_that_ticks_after_every_run_is_refused(tmp_path: Path) -> None:
+    clock = (
+        '<Clock name="c" valueReference="2" causality="input" intervalVariability="constant" '
+        'intervalDecimal="1e300"/>'
+    )
+    interface = {"hasEventMode": "true"}
+    fmu = foreign_fmu(tmp_path, 3, Y + clock, structure=STRUCTURE, interface=interface)
+    text = f"duration: 1\ncomponents:\n  it: {{fmu: {fmu}, rate: 10}}\n"
+    with pytest.raises(InputError, match=r"clock c has an interval of 1e\+300 s, longer than any"):
+        assemble(scenario_of(tmp_path, text))
+
+
 @pytest.mark.parametrize("time", ["1e-999999999", "x", "1/0", "0x1", "1_0"])
 @pytest.mark.parametrize("key", ["stepSize", "fixedInternalStepSize"])
 def test_a_time_that_is_none_is_refused(tmp_path: Path, key: str, time: str) -> None:
@@ -179,7 +193,7 @@ def test_a_time_that_is_none_is_refused(tmp_path: Path, key: str, time: str) -> 
         read_description(fmu)
 
 
-@pytest.mark.parametrize("time", ["1e999999999", "1e-999999999", "1/0", "x"])
+@pytest.mark.parametrize("time", ["1e999999999", "1e-999999999", "1e400", "1/0", "x"])
 def test_a_clocks_interval_that_is_none_is_refused(tmp_path: Path, time: str) -> None:
     clock = (
         '<Clock name="c" valueReference="2" causality="input" intervalVariability="constant" '

@@ -41,7 +41,7 @@ OWN = (
     '<Annotations><ssc:Annotation type="org.cohaptic"><c:Scenario '
     'xmlns:c="https://cohaptic.org/ssp">{0}</c:Scenario></ssc:Annotation></Annotations>'
 )
-ENDLESS = ("1e999999999", "1e-999999999", "1/0", "NaN", "")
+ENDLESS = ("1e999999999", "1e400", "1e-999999999", "1/0", "NaN", "")
 
 
 @pytest.mark.parametrize("time", ENDLESS)
