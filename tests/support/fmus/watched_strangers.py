@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -106,8 +107,10 @@ def typed(folder: Path, *, is_bare: bool, is_isolated: bool) -> None:
             run(of_text(folder, scenario(version, is_bare=is_bare, is_isolated=is_isolated)))
 
 
-def erratic(folder: Path, seed: int, keys: str = "") -> None:
-    """One that answers anything: whatever it does is a sentence, or nothing."""
+@cache
+def erratic_scenario(folder: Path, keys: str) -> Scenario:
+    """One with an FMU that answers anything; made and read once for all of them."""
+    folder.mkdir()
     kinds = ("constant", "fixed", "tunable", "changing", "countdown", "triggered")
     clocks = "".join(
         f'<Clock name="{kind}" valueReference="{number}" causality="input" '
@@ -132,14 +135,20 @@ def erratic(folder: Path, seed: int, keys: str = "") -> None:
         structure="".join(f'<Output valueReference="{each}"/>' for each in (3, 4, 16)),
         interface={key: INTERFACE[key] for key in ("hasEventMode", "mightReturnEarlyFromDoStep")},
     )
-    os.environ["ERRATIC"] = str(seed)
     text = (
         "cohaptic: 1\nduration: 0.4\nbase_rate: 100\ncomponents:\n"
         f"  it: {{fmu: {fmu}, rate: 100, feedthrough: true{keys}}}\n"
         f"  signal: {{fmu: signal, rate: 100}}\nconnections: [it.told -> it.triggered]\n"
     )
+    return of_text(folder, text)
+
+
+def erratic(folder: Path, seed: int, keys: str = "") -> None:
+    """Whatever it does is a sentence, or nothing."""
+    os.environ["ERRATIC"] = str(seed)
+    kept = folder.parent / ("erratic-apart-kept" if keys else "erratic-kept")
     try:
-        with assemble(of_text(folder, text)) as simulation:
+        with assemble(erratic_scenario(kept, keys)) as simulation:
             simulation.run(MemorySink())
     except CohapticError as error:
         assert "it" in str(error), error  # noqa: PT017 - any sentence will do, and none is good too
