@@ -41,6 +41,8 @@ def compare(path: Path, folder: Path) -> tuple[str, bool]:
     out, there = folder / "out", folder / "there.npz"
     command = [sys.executable, "-c", "from cosim.cli import main; main()", "run", str(path)]
     options = ["--stop-time", str(step * TICKS), "--step-size", str(step), "--no-figure"]
+    if description.start_time:  # the loop of FMPy's calls begins at 0
+        options += ["--set", "start_time=0"]
     ours = subprocess.run(
         [*command, *options, "--out", str(out)], capture_output=True, text=True, check=False
     )
