@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 from ctypes import c_void_p
+from functools import partial
 from typing import Any
 
 from cosim.base.errors import RunError
@@ -113,8 +113,7 @@ class States:
                 # It is not needed again, so that nothing but what may be called hangs on this.
                 self._conduct.judge(bound.drop_state(state))
 
-    @contextmanager
-    def _calls(self, when: str = "") -> Generator[Binding]:
+    def _calls(self, when: str = "") -> _Calls:
         """What is called by name; afterwards nothing of it is going on."""
         if self._conduct.is_lost:
             raise RunError(f"{self._component}: {AFTER_FATAL}.")
@@ -126,8 +125,27 @@ class States:
                 f"be saved, but its library has no function {' and none '.join(missing)}{when}"
             )
         self._complete = bound
-        try:
-            yield bound
-        except StateError as error:
-            raise RunError(f"{self._component}: {error}{when}{self._conduct.reasons()}") from None
-        self._residence.calling("")
+        return _Calls(bound, self._residence, partial(self._refused, when))
+
+    def _refused(self, when: str, error: StateError) -> RunError:
+        return RunError(f"{self._component}: {error}{when}{self._conduct.reasons()}")
+
+
+class _Calls:
+    """Inside, the binding; many thousands a second, which a generator would slow down."""
+
+    __slots__ = ("_binding", "_refused", "_residence")
+
+    def __init__(
+        self, binding: Binding, residence: Residence, refused: Callable[[StateError], RunError]
+    ) -> None:
+        self._binding, self._residence, self._refused = binding, residence, refused
+
+    def __enter__(self) -> Binding:
+        return self._binding
+
+    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
+        if isinstance(error, StateError):
+            raise self._refused(error) from None
+        if error is None:
+            self._residence.calling("")
