@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from cosim.base.errors import InputError
+from cosim.base.quantities.quantity import quantity
 
 Ask = Callable[[str, str, Callable[[str], None]], str]
 """Puts a question with its default until an answer is none that is refused."""
@@ -102,9 +104,9 @@ def starter(below: str, answers: Answers, title: str, ask: Ask | None = None) ->
     loss = None if answers.loss is None else f"{answers.loss:g}"
     loss = wanted(loss, "Share of the packets that is lost", "0", losses)
     mass = None if answers.mass is None else f"{answers.mass:g} kg"
-    written = str(parts[objects[0]].parameters.get("mass", MASS)).removesuffix("kg").strip()
+    written = "" if not objects else _mass_of(parts[objects[0]].parameters.get("mass", MASS))
     masses = [f"components.{part}.parameters.mass" for part in objects]
-    mass = wanted(mass, "Mass of the object", f"{written} kg", masses)
+    mass = wanted(mass, "Mass of the object", written, masses)
 
     lines = [
         "cohaptic: 1",
@@ -120,3 +122,8 @@ def starter(below: str, answers: Answers, title: str, ask: Ask | None = None) ->
         lines += ["", "components:"]
         lines += [f"  {part}: {{parameters: {{mass: {mass}}}}}" for part in objects]
     return "\n".join(lines) + "\n"
+
+
+def _mass_of(written: Any) -> str:
+    """A mass as a scenario has it, in whatever unit, in kg."""
+    return f"{float(quantity(written, 'kg')):g} kg"

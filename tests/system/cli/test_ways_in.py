@@ -9,6 +9,7 @@ import pty
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -69,6 +70,25 @@ def test_a_starter_is_a_scenario_with_what_was_asked_for(below: Ground, tmp_path
     ways = [way for each in scenario.channels.values() for way in (each.forward, each.backward)]
     assert bool(ways) == networked
     assert all("loss" in way.impairments for way in ways)
+
+
+@pytest.mark.parametrize("written", ["400 g", "0.4 kg", "0.4"])
+def test_the_mass_that_is_offered_is_the_scenarios_in_whatever_unit(
+    written: str, tmp_path: Path
+) -> None:
+    """One of 400 g was offered as '400 g kg', which nobody could take."""
+    below = tmp_path / "below.yaml"
+    parts = ", ".join(f"object_{n}: {{parameters: {{mass: {written}}}}}" for n in (1, 2))
+    below.write_text(f"cohaptic: 1\ninclude: single_axis_distributed\ncomponents: {{{parts}}}\n")
+    offered: dict[str, str] = {}
+
+    def ask(question: str, default: str, judge: Callable[[str], None]) -> str:
+        judge(default)
+        offered[question] = default
+        return default
+
+    starter(str(below), Answers(None, None, None, None), "mine", ask)
+    assert offered["Mass of the object"] == "0.4 kg"
 
 
 def test_combinations_without_a_ground_are_refused() -> None:
