@@ -102,12 +102,12 @@ def run_damping(point: Point, push: Push) -> float:
 
 @dataclass(frozen=True, slots=True)
 class RunCompensation:
-    """The damping as it is (N·s/m), the b_c of every copy that nulls it, and the radius then."""
+    """The damping as it is (N·s/m), the b_c of every copy that nulls it; radius, verdict then."""
 
     damping: float
     value: float
     radius: float
-    stable: bool
+    verdict: str
     marginal: bool
 
 
@@ -129,4 +129,4 @@ def null_run_damping(asked: AskedRun, push: Push) -> RunCompensation:
 
     value = nulling(damping)
     spectrum = asked.point(asked.sets("b_c", value)).spectrum()
-    return RunCompensation(present, value, spectrum.radius, spectrum.stable, spectrum.marginal)
+    return RunCompensation(present, value, spectrum.radius, spectrum.verdict, spectrum.marginal)

@@ -179,14 +179,14 @@ class GraspDamping:
         damping: N·s/m, along x and y.
         compensation: b_c of every copy of the box at which it vanishes, N·s/m.
         radius: of the run with that compensation, its hands holding on as they do.
-        stable: below 1.
+        verdict: stable, neutral or unstable.
     """
 
     operators: tuple[str, ...]
     damping: Mapping[str, float]
     compensation: Mapping[str, float]
     radius: float
-    stable: bool
+    verdict: str
 
 
 def null_grasp_damping(asked: AskedRun, user: str | None) -> GraspDamping:
@@ -215,7 +215,7 @@ def null_grasp_damping(asked: AskedRun, user: str | None) -> GraspDamping:
         dict(zip(AXES, map(float, present), strict=True)),
         dict(zip(AXES, map(float, value), strict=True)),
         held.radius,
-        held.stable,
+        held.verdict,
     )
 
 

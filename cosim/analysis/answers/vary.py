@@ -123,6 +123,11 @@ def run_margins(asked: AskedRun) -> Margins:
         InputError: the run itself is unstable.
     """
     radius = deciding_radius(asked.point())
+    if own_chance(asked.point()) is None and asked.point().spectrum().verdict == "neutral":
+        raise InputError(
+            "One motion of this run neither decays nor grows (the first of theory modes), so it "
+            "has no margins: have something hold it first."
+        )
     if radius >= 1.0 - SETTLED:
         raise InputError(
             f"This run is unstable (spectral radius {radius:.6g}), so it has no margins: "

@@ -6,12 +6,13 @@ import cmath
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.analysis.monodromy.blocks import connected_blocks, dropped
-from cosim.analysis.monodromy.neutral import quotient
+from cosim.analysis.monodromy.neutral import DIFFERENCED, quotient
 from cosim.analysis.monodromy.run_map import Coordinate
 from cosim.theory.numerics import Complex, Real
 
@@ -61,6 +62,17 @@ class RunSpectrum:
     def stable(self) -> bool:
         """ρ < 1, by more than rounding makes of a neutral motion."""
         return self.radius < 1.0 - SETTLED
+
+    @property
+    def verdict(self) -> Literal["stable", "neutral", "unstable"]:
+        """In a word.
+
+        Neutral: the motion that decides neither decays nor grows as far as differences tell, such
+        as a box that is held by hands without stiffness, along the way that nothing holds.
+        """
+        if self.stable:
+            return "stable"
+        return "neutral" if self.radius <= 1.0 + DIFFERENCED else "unstable"
 
 
 def spectrum(

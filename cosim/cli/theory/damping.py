@@ -17,6 +17,7 @@ from cosim.theory.transparency.damping import DampingModel
 
 if TYPE_CHECKING:
     from cosim.analysis.answers.asked import AskedRun
+    from cosim.analysis.monodromy.spectrum import RunSpectrum
 
 FELT_BY = {"single": 0, "centralized": 1, "distributed": 0}
 """Who feels it, by architecture: the remote user of the centralized loop, user 1 of the others."""
@@ -110,7 +111,7 @@ def _of_one_axis(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str
         "compensation": found.value,
         "stable": as_it_is.stable,
         "compensated_spectral_radius": found.radius,
-        "compensated_stable": found.stable,
+        "compensated_stable": found.verdict == "stable",
         "compensated_marginal": found.marginal,
         "user": push.hand,
         "model": "original",
@@ -118,9 +119,9 @@ def _of_one_axis(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str
     }
     text = (
         f"{place(asked)}\n"
-        f"damping {found.damping:.6g} N·s/m, felt by {push.hand}{_warning(as_it_is.stable)}\n"
+        f"damping {found.damping:.6g} N·s/m, felt by {push.hand}{_warning(as_it_is)}\n"
         f"compensation b_c {found.value:.6g} N·s/m per object copy nulls it; the compensated "
-        f"run is {'stable' if found.stable else 'unstable'} (spectral radius "
+        f"run is {found.verdict} (spectral radius "
         f"{found.radius:.6g} beside the common motion)"
     )
     return result, text
@@ -137,7 +138,7 @@ def _of_grasp(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str]:
         "compensation": dict(found.compensation),
         "stable": as_it_is.stable,
         "compensated_spectral_radius": found.radius,
-        "compensated_stable": found.stable,
+        "compensated_stable": found.verdict == "stable",
         "user": list(found.operators),
         "model": "original",
         **about(asked),
@@ -149,12 +150,14 @@ def _of_grasp(asked: AskedRun, user: str | None) -> tuple[dict[str, Any], str]:
     text = (
         f"{place(asked)}\n"
         f"damping {felt}, felt by {' and '.join(found.operators)} together, hands apart"
-        f"{_warning(as_it_is.stable)}\n"
+        f"{_warning(as_it_is)}\n"
         f"compensation b_c {nulls} per copy of the box nulls it; with the hands the compensated "
-        f"run is {'stable' if found.stable else 'unstable'} (spectral radius {found.radius:.6g})"
+        f"run is {found.verdict} (spectral radius {found.radius:.6g})"
     )
     return result, text
 
 
-def _warning(stable: bool) -> str:
-    return "" if stable else "; the run itself is unstable, so nobody will feel it"
+def _warning(found: RunSpectrum) -> str:
+    if found.verdict == "unstable":
+        return "; the run itself is unstable, so nobody will feel it"
+    return "" if found.stable else "; a motion of the run itself neither decays nor grows"

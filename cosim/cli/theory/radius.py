@@ -47,8 +47,10 @@ def _of_run(loop: RunLoop, *, as_json: bool) -> None:
         answer = of_run(asked)
         text = (
             f"{place(asked)}\n{answer.kind} {answer.radius:.6g} over "
-            f"{float(answer.period) * 1e3:.6g} ms: {'stable' if answer.stable else 'unstable'}"
+            f"{float(answer.period) * 1e3:.6g} ms: {answer.verdict}"
         )
+        if answer.verdict == "neutral":
+            text += ", one motion neither decays nor grows (the first of theory modes)"
         if answer.marginal:
             text += "\nmarginal: momentum is conserved, the common velocity is left out"
         emit(answer.result(), text, as_json=as_json, notes=asked.notes)

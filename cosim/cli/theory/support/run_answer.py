@@ -20,6 +20,7 @@ class RunAnswer:
         kind: "spectral radius", or "mean-square radius" where packets are lost or late by chance.
         radius: over ``period`` (s).
         stable: below 1.
+        verdict: stable, neutral (1 as far as can be told) or unstable.
         marginal: momentum is conserved.
         neutral: how many motions are neutral whatever the gains.
         further: what else a program may want.
@@ -28,6 +29,7 @@ class RunAnswer:
     kind: str
     radius: float
     stable: bool
+    verdict: str
     marginal: bool
     neutral: int
     period: Fraction
@@ -39,6 +41,7 @@ class RunAnswer:
         return {
             key: self.radius,
             "stable": self.stable,
+            "verdict": self.verdict,
             "marginal": self.marginal,
             "neutral_motions": self.neutral,
             "period": float(self.period),
@@ -57,6 +60,7 @@ def of_run(asked: AskedRun) -> RunAnswer:
             "spectral radius",
             found.radius,
             found.stable,
+            found.verdict,
             found.marginal,
             found.neutral,
             found.period,
@@ -67,6 +71,7 @@ def of_run(asked: AskedRun) -> RunAnswer:
         "mean-square radius",
         radius,
         radius < 1.0,
+        "stable" if radius < 1.0 else "unstable",
         found.marginal,
         found.neutral,
         point.seconds,
