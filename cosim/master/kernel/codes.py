@@ -45,6 +45,7 @@ class EventFault(IntEnum):
     NO_INTERVAL = 3
     RETURNS = 4
     TIME = 5
+    NO_TIME = 6
 
 
 class ClockKind(IntEnum):

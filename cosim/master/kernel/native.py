@@ -10,7 +10,7 @@ from typing import Any
 from cosim.base.errors import RunError
 from cosim.master.kernel.fmu_structures import LogStruct
 
-ABI = 12
+ABI = 13
 
 
 @cache

@@ -101,6 +101,7 @@ def _event_fault(program: Program, component: str) -> str:
         EventFault.NO_INTERVAL: f"{clock} has to tell its next interval, and tells none,",
         EventFault.RETURNS: f" returned from one step {value:g} times over",
         EventFault.TIME: f" returned early at {value:g} s, which is outside of its step,",
+        EventFault.NO_TIME: f" announced its next event for {value:g} s, which is no time,",
     }[fault]
 
 

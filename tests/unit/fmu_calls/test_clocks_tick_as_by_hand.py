@@ -304,6 +304,10 @@ def hooked(body: str) -> str:
             "returned early at 9 s, which is outside of its step, at tick 3",
         ),
         (
+            "m->has_next = m->time > 0.25, m->next = 0.0 / 0.0;",
+            "announced its next event for nan s, which is no time, at tick 3",
+        ),
+        (
             'if (is(call, "UpdateDiscreteStates") && m->time > 0.25) return 3;',
             "returned status 'error' in fmi3UpdateDiscreteStates at tick 3",
         ),

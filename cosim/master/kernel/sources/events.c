@@ -87,7 +87,9 @@ static Outcome iterate(Kernel *kernel, Instance *instance, Instant now, int64_t 
                                                   &states, &has_next, &next));
         if (outcome != OUTCOME_DONE)
             return outcome;
-        e->next->real = has_next ? next : __builtin_inf();
+        if (has_next && __builtin_isnan(next))
+            return event_fault(kernel, EVENT_FAULT_NO_TIME, -1, next);
+        e->next->real = has_next ? next : __builtin_inf(); /* one that has passed: at once */
         if (terminate)
             return OUTCOME_TERMINATED;
         outcome = ask_intervals(kernel, instance, now, active);

@@ -26,7 +26,8 @@ typedef enum {
     EVENT_FAULT_OFF_GRID = 2,    /* an interval is no whole number of its steps */
     EVENT_FAULT_NO_INTERVAL = 3, /* none is known that has to be */
     EVENT_FAULT_RETURNS = 4,     /* it returns from one step again and again */
-    EVENT_FAULT_TIME = 5         /* it returned at a time outside of its step */
+    EVENT_FAULT_TIME = 5,        /* it returned at a time outside of its step */
+    EVENT_FAULT_NO_TIME = 6      /* it announced an event for NaN */
 } EventFault;
 
 typedef enum {
