@@ -136,6 +136,7 @@ def run_scenario(
     expectations = prepared.expectations
     manifest: dict[str, Any] = {}
     finished: Finished | None = None
+    said: Mapping[str, Sequence[object]] = {}
     try:
         with prepared.simulation as simulation:
             manifest |= describe(simulation.scenario, components_of_run(simulation))
@@ -146,6 +147,7 @@ def run_scenario(
             error = _run(simulation, recorder, execute or _here, progress)
             recorder.keep_scenario(simulation.replay())
             folder, outcome = recorder.folder, simulation.outcome
+            said = outcome.said
             if folder is None or not recorder.has_begun:
                 raise error or RunError("Interrupted before the first tick; nothing was recorded.")
             manifest["timing"] = _timing(outcome, recorder, scenario)
@@ -189,6 +191,10 @@ def run_scenario(
             finished = _failed_late(finished, manifest, f"{late}; {COMPLETE}.")
             if watcher is not None:
                 watcher.finished(finished)
+    last_words = prepared.simulation.outcome.said  # while they were terminated and freed
+    if last_words != said:
+        with suppress(OSError):
+            write_log(finished.folder / LOG_FILE, last_words)
     return finished
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from typing import Any, Protocol
 
 from cosim.base.errors import CohapticError, RunError
-from cosim.base.system.grants import prepare_loop
+from cosim.base.system.grants import end_priority, prepare_loop
 from cosim.base.system.pulse import FINISHED, RUNNING, Pulse
 from cosim.base.system.supervised import Supervised
 from cosim.master.run.obituary import COMPLETE
@@ -100,6 +100,8 @@ class ControlLoop:
             report.outcome = self._simulation.outcome
         finally:
             self._pulse.state(FINISHED)
+            if self._real_time:
+                end_priority()
             told.write(watched.tick)
         report.deadlines = {**self._pacer.summary(), **watched.usage.summary()}
         report.latency = {device.name: device.latency_ticks for device in present}
@@ -107,9 +109,13 @@ class ControlLoop:
         report.texts = [] if texts is None else texts.rest()
         report.facts = self._facts() if self._facts is not None else None
         self._tell(report)
+        before = self._simulation.outcome
         self._simulation.close()  # an FMU that dies of it finds everything told
-        if self._simulation.closing_error and report.error is None:
+        failed = bool(self._simulation.closing_error) and report.error is None
+        if failed:
             status, report.error = 1, RunError(f"{self._simulation.closing_error}; {COMPLETE}")
+        if failed or self._simulation.outcome is not before:
+            report.outcome = self._simulation.outcome
             self._tell(report)
         self._tell(Over())
         return status

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 
 from cosim.base.errors import InputError, RunError
 from cosim.base.recording import Sink
-from cosim.base.system.grants import Grant
+from cosim.base.system.grants import LONGEST_BURST, Grant
 from cosim.base.system.pulse import Pulse
 from cosim.base.system.room import shared_folder
 from cosim.base.system.supervised import Supervised
@@ -67,6 +67,7 @@ class PacedRun:
     """Ticks whose rows have come."""
     _has_begun: bool = False
     """Whether the first tick was due: from there on there is a record."""
+    _granted: set[str] = field(default_factory=set[str])
     _is_over: bool = False
     """Whether the loop has closed its components and then ended by itself."""
 
@@ -133,7 +134,9 @@ class PacedRun:
     def take(self, message: Message) -> None:
         """Something that supervisor or loop have said."""
         if isinstance(message, Grant):
-            if not message.granted:
+            if message.granted:
+                self._granted.add(message.name)
+            else:
                 self.say(message.sentence)
         elif isinstance(message, LoopReport):
             self.report = message
@@ -190,7 +193,9 @@ class PacedRun:
         left = self.report.left if self.report is not None else None
         if self._is_over and left is None:
             return [ending.reason] if ending.reason else []
-        sentence = obituary(ending.status, simulation.whereabouts, simulation.scenario, left)
+        burst = LONGEST_BURST if {"burst", "priority"} <= self._granted else None
+        whereabouts, scenario = simulation.whereabouts, simulation.scenario
+        sentence = obituary(ending.status, whereabouts, scenario, left, burst=burst)
         is_whole = self.report is not None and left is None
         kept = COMPLETE if is_whole else KEPT if self._has_begun else NOTHING
         return [f"{sentence}; {kept}"]

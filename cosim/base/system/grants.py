@@ -127,6 +127,12 @@ def real_time_priority(priority: int) -> Grant:
     return Grant("priority", True, f"SCHED_FIFO priority {priority}")
 
 
+def end_priority() -> None:
+    """From here on as any other process: what comes behind the last tick has no deadline."""
+    if hasattr(os, "sched_setscheduler"):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
 def clock_nanosleep() -> Callable[[int], None]:
     """A function that sleeps until an absolute CLOCK_MONOTONIC time (ns)."""
     libc = _libc()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import nullcontext
+from dataclasses import replace
 from types import TracebackType
 from typing import Any
 
@@ -293,6 +294,8 @@ class Simulation:
     def close(self) -> None:
         """Free every FMU and close every component; may be called more than once."""
         self._cycle.close()
+        if said := self._cycle.fmus.said():
+            self.outcome = replace(self.outcome, said=said)
 
     @property
     def closing_error(self) -> str:

@@ -20,6 +20,10 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a child needs L
 TELLS = """
     static int hook(Foreign *m, const char *call)
     {
+        if (is(call, "Terminate"))
+            say(m, 1, "that was all");
+        if (is(call, "FreeInstance"))
+            say(m, 1, "free at last");
         if (!is(call, "DoStep"))
             return 0;
         say(m, 0, "all is well");
@@ -61,7 +65,8 @@ def log_of(folder: Path, version: int, categories: tuple[str, ...], place: str =
 
 
 def lines(categories: str) -> str:
-    return f"f: warning: it is on (4 times)\nf: warning: {categories} (4 times)\n"
+    steps = f"f: warning: it is on (4 times)\nf: warning: {categories} (4 times)\n"
+    return f"{steps}f: warning: that was all\nf: warning: free at last\n"
 
 
 @pytest.mark.parametrize("place", PLACES)
