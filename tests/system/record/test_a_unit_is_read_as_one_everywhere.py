@@ -8,7 +8,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from cosim.analysis.answers.rendered_wall import WallOfDevice, find_device
+from cosim.analysis.answers.device_of_wall import find_device
+from cosim.analysis.answers.rendered_wall import WallOfDevice
 from cosim.live.hands import users_of, with_hands
 from cosim.live.knobs.found import knobs_of
 from cosim.reading import load

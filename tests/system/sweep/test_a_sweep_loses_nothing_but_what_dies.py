@@ -162,7 +162,7 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(scenario: Path, tmp_
 
     def follow(step: Any) -> None:
         nonlocal killed
-        if step.ran == 40 and not killed:
+        if step.done == 40 and not killed:
             killed = True
             os.kill(pool.processes[0], signal.SIGKILL)
 
