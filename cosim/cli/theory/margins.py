@@ -29,7 +29,7 @@ def command(loop: Loop | RunLoop, as_json: bool) -> None:
 
 
 def _of_run(loop: RunLoop, *, as_json: bool) -> None:
-    from cosim.analysis.answers.vary import run_margins
+    from cosim.analysis.answers.run_margins import run_margins
     from cosim.cli.theory.support.run_answer import about, place
 
     with loop.asked() as asked:
@@ -45,16 +45,17 @@ def _numbers(found: Margins) -> dict[str, object]:
         "network": None if found.network is None else list(found.network),
         "delay": found.delay,
         "critical_loss": found.loss,
+        "open_ends": {name: list(why) for name, why in found.open_ends.items()},
     }
 
 
 def _lines(found: Margins) -> list[str]:
     lines = [
-        f"stable with every stiffness times {_span(found.stiffness)}",
-        f"stable with every damping times {_span(found.damping)}",
+        *_span(found, "stiffness", "every stiffness", found.stiffness),
+        *_span(found, "damping", "every damping", found.damping),
     ]
     if found.network is not None:
-        lines.append(f"stable with all that the network carries times {_span(found.network)}")
+        lines += _span(found, "network", "all that the network carries", found.network)
         lines.append(
             "stable with any delay tried, up to 64 samples more"
             if found.delay is None
@@ -65,5 +66,11 @@ def _lines(found: Margins) -> list[str]:
     return lines
 
 
-def _span(interval: tuple[float, float]) -> str:
-    return f"{interval[0]:.4g} to {interval[1]:.4g}"
+def _span(found: Margins, name: str, what: str, interval: tuple[float, float]) -> list[str]:
+    lines = [f"stable with {what} times {interval[0]:.4g} to {interval[1]:.4g}"]
+    for side, end, why in zip(
+        ("below", "above"), interval, found.open_ends.get(name, ("", "")), strict=True
+    ):
+        if why:
+            lines.append(f"  no answer {side} {end:.4g}: {why}")
+    return lines

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from cosim.theory.stability.spectral_radius import stability, stable_intervals
 
 FURTHEST_GAIN = 100.0
 """Gain margins are looked for between 1/100 and 100."""
+
+NOT_LOOKED = "it was not looked further"
+"""Why there is no answer beyond the furthest factor."""
 
 FURTHEST_DELAY = 64
 """Delay margins are looked for up to so many network samples."""
@@ -32,6 +36,8 @@ class Margins:
         delay: how many more round-trip network samples stay stable; None without a network or
             where more than 64 do.
         loss: the critical loss probability (independent losses); None where there is none.
+        open_ends: of intervals with an end that is no instability, by name: why there is no answer
+            below and above it, or nothing.
     """
 
     stiffness: tuple[float, float]
@@ -39,6 +45,9 @@ class Margins:
     network: tuple[float, float] | None
     delay: int | None
     loss: float | None
+    open_ends: Mapping[str, tuple[str, str]] = field(
+        default_factory=lambda: MappingProxyType[str, tuple[str, str]]({})
+    )
 
 
 def scaled(
@@ -90,13 +99,30 @@ def margins(model: Model, timing: Timing) -> Margins:
     if not alone:
         network = around_one(lambda g: scaled(model, g, g, network_only=True))
     whole = timing.ratio.denominator == 1
+    stiffness = around_one(lambda g: scaled(model, stiffness=g))
+    damping = around_one(lambda g: scaled(model, damping=g))
     return Margins(
-        stiffness=around_one(lambda g: scaled(model, stiffness=g)),
-        damping=around_one(lambda g: scaled(model, damping=g)),
+        stiffness=stiffness,
+        damping=damping,
         network=network,
         delay=None if alone else _delay_margin(model, timing),
         loss=None if alone or not whole else critical_loss(model, timing),
+        open_ends=open_ends(FURTHEST_GAIN, stiffness=stiffness, damping=damping, network=network),
     )
+
+
+def open_ends(furthest: float, **found: tuple[float, float] | None) -> dict[str, tuple[str, str]]:
+    """Of the intervals that reach as far as was looked, between 1/furthest and furthest, why."""
+    ends: dict[str, tuple[str, str]] = {}
+    for name, interval in found.items():
+        low, high = interval or (1.0, 1.0)
+        why = (
+            NOT_LOOKED if low <= (1.0 + 1e-9) / furthest else "",
+            NOT_LOOKED if high >= furthest * (1.0 - 1e-9) else "",
+        )
+        if any(why):
+            ends[name] = why
+    return ends
 
 
 def _around_one(radius: Callable[[float], float]) -> tuple[float, float]:

@@ -7,7 +7,8 @@ from fractions import Fraction
 import pytest
 
 from cosim.analysis.answers.asked import ask
-from cosim.analysis.answers.vary import delay_margin, intervals_of_run
+from cosim.analysis.answers.run_margins import delay_margin
+from cosim.analysis.answers.vary import intervals_of_run
 from cosim.scenario.load import read
 
 NAME = "single_axis_distributed"
