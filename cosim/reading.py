@@ -68,11 +68,11 @@ def edit(scenario: str | PathLike[str] | Scenario, values: Mapping[str, Any]) ->
         TypeError: ``values`` is no mapping from places to values.
     """
     scenario = scenario_of(scenario)
-    from cosim.analysis.compensation import tuned
+    from cosim.analysis.compensation import tuned_scenario
     from cosim.scenario.load import Written
 
     sets = [f"{place}={_written(value)}" for place, value in _by_place(values).items()]
-    return tuned(Written(scenario.file, scenario.root, FORMS).changed(sets)).built()
+    return tuned_scenario(Written(scenario.file, scenario.root, FORMS).changed(sets))
 
 
 def _by_place(values: Any) -> Mapping[str, Any]:

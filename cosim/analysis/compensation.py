@@ -49,7 +49,7 @@ def load_tuned(
     """
     from cosim.scenario.load import read
 
-    return tuned(read(path, overlays, sets, forms=forms)).built()
+    return tuned_scenario(read(path, overlays, sets, forms=forms))
 
 
 def tuned(written: Written) -> Written:
@@ -58,14 +58,30 @@ def tuned(written: Written) -> Written:
     Raises:
         InputError: as for ``load_tuned``.
     """
+    numbers = _numbers(written.built())
+    return written.changed(numbers) if numbers else written
+
+
+def tuned_scenario(written: Written) -> Scenario:
+    """The checked scenario of ``tuned``.
+
+    Raises:
+        InputError: as for ``load_tuned``.
+    """
     scenario = written.built()
+    numbers = _numbers(scenario)
+    return written.changed(numbers).built() if numbers else scenario
+
+
+def _numbers(scenario: Scenario) -> list[str]:
+    """The overrides that give numbers in place of words."""
     wanted = {
         name: str(part.parameters["compensation"])
         for name, part in scenario.components.items()
         if isinstance(part.parameters.get("compensation"), str)
     }
     if not wanted:
-        return written
+        return []
     from cosim.analysis.grasp import WORKSTATION, find_grasp
     from cosim.analysis.left_out import refuse_other_peers
 
@@ -92,7 +108,7 @@ def tuned(written: Written) -> Written:
         parameter = f"components.{name}.parameters.compensation"
         numbers.append(f"{parameter}=~")
         numbers += [f"{parameter}.{axis}={b_c!r}" for axis, b_c in found[choice].items()]
-    return written.changed(numbers)
+    return numbers
 
 
 def _compensation(grasp: Grasp, choice: str) -> dict[str, float]:

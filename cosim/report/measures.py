@@ -29,6 +29,8 @@ TickRange = tuple[int, int]
 Extremes = tuple[float, float]
 """The least and the greatest value; NaN where there is none, or a row has no number."""
 
+_UNKNOWN: Extremes = (math.nan, math.nan)
+
 SETTLING = 0.5
 """From the first common contact to the hold phase (s)."""
 
@@ -63,12 +65,22 @@ class Inspection:
         held = self.held(window) if measure.of_hold_phase else None
         begin, end = held[0] if held is not None else (first, last)
         for signal in sorted(measure.reads(self.platform)):
+            if self._is_told(signal, begin, end, measure.samples):
+                continue
             if said := lack_of(self.run, _one(signal), begin, end, measure.samples):
                 return said
             # What holding is found by is looked at from the beginning on.
             if not self.is_finite(signal, first, last):
                 return lack_of(self.run, _one(signal), first, last)
         return ""
+
+    def _is_told(self, signal: str, first: int, last: int, samples: int) -> bool:
+        """Whether enough rows are known to hold finite numbers, as all of the signal's are."""
+        if not all(map(math.isfinite, self._extremes.get(signal, _UNKNOWN))):
+            return False
+        group = self.run[signal].group
+        covered = min(last, group.rows * group.period)
+        return group.first_row_at(covered) - group.first_row_at(first) >= samples
 
     def is_finite(self, signal: str, first: int, last: int) -> bool:
         """Whether every row of a signal over ``first`` <= tick < ``last`` holds a finite number."""

@@ -67,9 +67,9 @@ def build(written: Written, sets: Sequence[str]) -> Scenario:
     Raises:
         InputError: one or more problems, each with its place.
     """
-    from cosim.analysis.compensation import tuned
+    from cosim.analysis.compensation import tuned_scenario
 
-    return tuned(written.changed(sets)).built()
+    return tuned_scenario(written.changed(sets))
 
 
 def _is_plain(root: Node, place: str) -> bool:
