@@ -32,7 +32,7 @@ PEERS = {
     "container": Peer(
         "FMPy, container FMU",
         "fmpy_container.py",
-        ("jinja2", "msgpack", "attrs"),
+        ("fmpy<0.3.28", "jinja2", "msgpack", "attrs"),  # later ones have no such classes
         frozenset({"one rate"}),
     ),
     "ecos": Peer("ecos", "ecos_master.py", ("ecospy", "tbb"), frozenset({"one rate"})),
