@@ -102,7 +102,7 @@ def rows_so_far(folder: Path) -> int:
 
 
 def test_ctrl_c_leaves_a_valid_record_and_says_where_it_stopped(tmp_path: Path) -> None:
-    arguments = ["run", str(SCENARIO), "--duration", "20000", "--out", "cut", "--no-figure"]
+    arguments = ["run", str(SCENARIO), "--duration", "2000", "--out", "cut", "--no-figure"]
     with subprocess.Popen(
         [*COHAPTIC, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
