@@ -20,7 +20,7 @@ import numpy as np
 
 from cosim.record.reader import Run
 from cosim.report.platform import Contact, RecordedPlatform, platform_of
-from cosim.report.target import Target, aligned, blocks
+from cosim.report.target import Target, aligned
 from cosim.report.verdict.lack import lack_of
 from cosim.report.window import MEASURES, Window, measure
 
@@ -65,28 +65,21 @@ class Inspection:
         held = self.held(window) if measure.of_hold_phase else None
         begin, end = held[0] if held is not None else (first, last)
         for signal in sorted(measure.reads(self.platform)):
-            if self._is_told(signal, begin, end, measure.samples):
-                continue
-            if said := lack_of(self.run, _one(signal), begin, end, measure.samples):
-                return said
             # What holding is found by is looked at from the beginning on.
-            if not self.is_finite(signal, first, last):
-                return lack_of(self.run, _one(signal), first, last)
+            said = self._lack_of(signal, begin, end, measure.samples)
+            said = said or self._lack_of(signal, first, last, 1)
+            if said:
+                return said
         return ""
 
-    def _is_told(self, signal: str, first: int, last: int, samples: int) -> bool:
-        """Whether enough rows are known to hold finite numbers, as all of the signal's are."""
-        if not all(map(math.isfinite, self._extremes.get(signal, _UNKNOWN))):
-            return False
-        group = self.run[signal].group
-        covered = min(last, group.rows * group.period)
-        return group.first_row_at(covered) - group.first_row_at(first) >= samples
-
-    def is_finite(self, signal: str, first: int, last: int) -> bool:
-        """Whether every row of a signal over ``first`` <= tick < ``last`` holds a finite number."""
-        if signal in self._extremes and self.run[signal].group.covers(first, last):
-            return all(map(math.isfinite, self._extremes[signal]))
-        return all(np.isfinite(v).all() for _, v in blocks(self.run, _one(signal), first, last))
+    def _lack_of(self, signal: str, first: int, last: int, samples: int) -> str:
+        """The same of one signal; of one that is known to be finite the rows are counted alone."""
+        if all(map(math.isfinite, self._extremes.get(signal, _UNKNOWN))):
+            group = self.run[signal].group
+            covered = min(last, group.rows * group.period)
+            if group.first_row_at(covered) - group.first_row_at(first) >= samples:
+                return ""
+        return lack_of(self.run, _one(signal), first, last, samples)
 
     def window(self, target: Target, first: int, last: int) -> Window:
         """A target's statistics over ``first`` <= tick < ``last``."""
