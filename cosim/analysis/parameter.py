@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from cosim.base.document.show import show
 from cosim.base.errors import InputError
 from cosim.base.quantities.quantity import QuantityError, quantity, split_quantity
 from cosim.base.suggest import did_you_mean
 from cosim.scenario import Scenario, ScenarioComponent
+
+if TYPE_CHECKING:
+    from fmus.layout import SlotLayout
 
 AUTO = "auto"
 """What is computed from the others; until it is, the model's own value stands."""
@@ -81,14 +85,19 @@ def is_number(value: object) -> bool:
 
 
 @cache
-def _numbers(model: str) -> Mapping[str, tuple[float, str | None]]:
-    """Start value and unit of each number of a model, elements of arrays by themselves."""
+def layout_of(model: str) -> SlotLayout:
+    """The variables of one of our models, as they are placed; ``.model`` is its table."""
     from fmus.layout import SlotLayout
 
-    found = import_module(f"fmus.{model}.variables").MODEL
+    return SlotLayout(import_module(f"fmus.{model}.variables").MODEL)
+
+
+@cache
+def _numbers(model: str) -> Mapping[str, tuple[float, str | None]]:
+    """Start value and unit of each number of a model, elements of arrays by themselves."""
     return {
         element.name: (float(element.start), element.variable.unit)
-        for element in SlotLayout(found).elements
+        for element in layout_of(model).elements
         if isinstance(element.start, int | float)
     }
 
@@ -96,15 +105,12 @@ def _numbers(model: str) -> Mapping[str, tuple[float, str | None]]:
 @cache
 def _choices(model: str) -> Mapping[str, tuple[str | int, ...]]:
     """Every parameter of a model, and of an enumeration its words and their numbers."""
-    from fmus.layout import SlotLayout
-
-    found = import_module(f"fmus.{model}.variables").MODEL
     return {
         placed.path: tuple(
             choice
             for item in (placed.variable.enumeration.items if placed.variable.enumeration else ())
             for choice in (item.name, item.value)
         )
-        for placed in SlotLayout(found).placed
+        for placed in layout_of(model).placed
         if placed.variable.causality == "parameter"
     }

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from functools import cache
-from importlib import import_module
 
+from cosim.analysis.parameter import layout_of
 from cosim.base.errors import InputError
 from cosim.scenario import Connection, Scenario, ScenarioComponent
 
@@ -108,12 +108,9 @@ def turned_parameters(scenario: Scenario) -> Iterator[tuple[int, Connection]]:
 @cache
 def _is_tunable(model: str, path: str) -> bool:
     """Whether a path stands for a parameter that may be turned, or for a group of nothing else."""
-    from fmus.layout import SlotLayout
-
-    layout = SlotLayout(import_module(f"fmus.{model}.variables").MODEL)
     named = [
         placed.variable.tunable
-        for placed in layout.placed
+        for placed in layout_of(model).placed
         if placed.path == path or placed.path.startswith(f"{path}.")
     ]
     return bool(named) and all(named)

@@ -11,7 +11,7 @@ from cosim.analysis.answers.asked import AskedRun
 from cosim.analysis.answers.chance import own_chance, with_losses
 from cosim.analysis.answers.vary import Along, deciding_radius
 from cosim.analysis.monodromy.spectrum import SETTLED
-from cosim.analysis.parameter import parameter
+from cosim.analysis.parameter import layout_of, parameter
 from cosim.base.errors import InputError
 from cosim.scenario import Scenario
 from cosim.theory.stability.margins import FURTHEST_DELAY, FURTHEST_GAIN, NOT_LOOKED, Margins
@@ -54,12 +54,12 @@ def run_margins(asked: AskedRun) -> Margins:
         InputError: the run itself is unstable.
     """
     radius = deciding_radius(asked.point())
-    if own_chance(asked.point()) is None and asked.point().spectrum().verdict == "neutral":
-        raise InputError(
-            "One motion of this run neither decays nor grows (the first of theory modes), so it "
-            "has no margins: have something hold it first."
-        )
     if radius >= 1.0 - SETTLED:
+        if own_chance(asked.point()) is None and asked.point().spectrum().verdict == "neutral":
+            raise InputError(
+                "One motion of this run neither decays nor grows (the first of theory modes), so "
+                "it has no margins: have something hold it first."
+            )
         raise InputError(
             f"This run is unstable (spectral radius {radius:.6g}), so it has no margins: "
             "lower the network couplers' stiffness or the delay first."
@@ -113,14 +113,9 @@ def _coupler_values(scenario: Scenario, wanted: Callable[[str, str], bool]) -> d
 
 
 def _coupler_names(model: str) -> list[str]:
-    from importlib import import_module
-
-    from fmus.layout import SlotLayout
-
-    layout = SlotLayout(import_module(f"fmus.{model}.variables").MODEL)
     return [
         placed.path
-        for placed in layout.placed
+        for placed in layout_of(model).placed
         if placed.variable.causality == "parameter"
         and "." not in placed.path
         and placed.path.endswith(("stiffness", "damping"))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib import import_module
 
+from cosim.analysis.parameter import layout_of
 from cosim.scenario import Scenario, ScenarioComponent
 from cosim.scenario.load import Written
-from fmus.table import Model
 
 WINDOW = 4
 """Ticks over which a finite difference stands for FOAW unless another is asked for."""
@@ -35,7 +33,7 @@ def idealised(written: Written, scenario: Scenario, window: int = WINDOW) -> Ide
     for name, part in scenario.components.items():
         if not part.is_bundled:
             continue
-        ideal = _model(part.source).ideal
+        ideal = layout_of(part.source).model.ideal
         for parameter, value in ideal.items():
             if parameter.startswith("velocity_"):
                 continue
@@ -58,7 +56,7 @@ def damped(written: Written, scenario: Scenario) -> Written:
         f"components.{name}.parameters.{parameter}={value}"
         for name, part in scenario.components.items()
         if part.is_bundled
-        for parameter, value in _model(part.source).damped.items()
+        for parameter, value in layout_of(part.source).model.damped.items()
     ]
     return written.changed(sets)
 
@@ -75,9 +73,3 @@ _SAID: Mapping[str, str] = {
 def estimates_adaptively(part: ScenarioComponent) -> bool:
     """Whether a workstation estimates velocities by FOAW."""
     return part.parameters.get("velocity_estimator", "foaw") in {"foaw", 0}
-
-
-@cache
-def _model(name: str) -> Model:
-    found: Model = import_module(f"fmus.{name}.variables").MODEL
-    return found
