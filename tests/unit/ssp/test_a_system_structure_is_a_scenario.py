@@ -21,7 +21,6 @@ from tests.support.ssp import (
     HEAD,
     PASS,
     PORTS,
-    adder_folder,
     bindings,
     component,
     connect,
@@ -30,11 +29,6 @@ from tests.support.ssp import (
     ssd,
     values,
 )
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return adder_folder(tmp_path)
 
 
 @pytest.mark.parametrize("version", ["1.0", "2.0"])

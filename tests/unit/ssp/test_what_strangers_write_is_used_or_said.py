@@ -16,7 +16,6 @@ from cosim.scenario import load
 from cosim.ssp.package import read_system
 from tests.support.ssp import (
     PORTS,
-    adder_folder,
     bindings,
     component,
     connect,
@@ -24,11 +23,6 @@ from tests.support.ssp import (
     ssd,
     values,
 )
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    return adder_folder(tmp_path)
 
 
 def system(connections: str, a: str = "", own: str = "") -> str:
